@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -89,14 +90,9 @@ double normalFrom(RandomNumbers& random) {
   return sum;
 }
 
-using J = BodyJoint;
-constexpr std::array<std::pair<J, J>, 3> kArms = {
-    {{J::kLeftShoulder, J::kRightShoulder}, {J::kLeftElbow, J::kRightElbow}, {J::kLeftHand, J::kRightHand}}};
-constexpr std::array<std::pair<J, J>, 3> kLegPairs = {
-    {{J::kLeftHip, J::kRightHip}, {J::kLeftKnee, J::kRightKnee}, {J::kLeftFoot, J::kRightFoot}}};
-
-void exchange(const std::array<std::pair<J, J>, 3>& limbs, SkeletonFrame& frame) {
-  for (const auto& [left, right] : limbs) std::swap(frame[left], frame[right]);
+/// Exchanges joints of the left side with those of the right.
+void exchange(std::span<const BodyJoint> lefts, SkeletonFrame& frame) {
+  for (const BodyJoint left : lefts) std::swap(frame[left], frame[rightOf(left)]);
 }
 
 class FaultInjector final : public SkeletonSource {
@@ -164,8 +160,8 @@ class FaultInjector final : public SkeletonSource {
     }
     if (!swapping_) which_ = 3.0 * swap_.random().unit();  // arms, legs or both
     swapping_ = true;
-    if (which_ != 1) exchange(kArms, frame);
-    if (which_ != 0) exchange(kLegPairs, frame);
+    if (which_ != 1) exchange(std::span(kLeftJoints).first<3>(), frame);
+    if (which_ != 0) exchange(std::span(kLeftJoints).last<3>(), frame);
   }
 
   void shake(SkeletonFrame& frame) {

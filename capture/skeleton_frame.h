@@ -33,6 +33,14 @@ enum class BodyJoint : std::uint8_t {
 };
 inline constexpr int kBodyJointCount = 15;  ///< joints that BodyJoint names
 
+/// Joints of the left side, those of the arm first. Their counterparts on the right follow each of them.
+inline constexpr std::array<BodyJoint, 6> kLeftJoints = {BodyJoint::kLeftShoulder, BodyJoint::kLeftElbow,
+                                                         BodyJoint::kLeftHand,     BodyJoint::kLeftHip,
+                                                         BodyJoint::kLeftKnee,     BodyJoint::kLeftFoot};
+[[nodiscard]] constexpr BodyJoint rightOf(BodyJoint left) {
+  return static_cast<BodyJoint>(ordinalOf(left) + 1);
+}
+
 /// Lower snake case: "left_shoulder".
 [[nodiscard]] std::string_view nameOf(BodyJoint joint);
 

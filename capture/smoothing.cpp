@@ -142,14 +142,7 @@ void mirror(SkeletonFrame& frame) {
     const Quat& q = *joint.orientation;
     joint.orientation = Quat(q.w(), q.x(), -q.y(), -q.z());
   }
-  using J = BodyJoint;
-  constexpr std::array<std::array<J, 2>, 6> kPairs = {{{J::kLeftShoulder, J::kRightShoulder},
-                                                       {J::kLeftElbow, J::kRightElbow},
-                                                       {J::kLeftHand, J::kRightHand},
-                                                       {J::kLeftHip, J::kRightHip},
-                                                       {J::kLeftKnee, J::kRightKnee},
-                                                       {J::kLeftFoot, J::kRightFoot}}};
-  for (const auto& [left, right] : kPairs) std::swap(frame[left], frame[right]);
+  for (const BodyJoint left : kLeftJoints) std::swap(frame[left], frame[rightOf(left)]);
 }
 
 }  // namespace lorica

@@ -72,7 +72,7 @@ void tellArmsApart(RawStream& raw) {
                   swap ? "second" : "first"));
   for (Observation& row : raw.rows) {
     for (const BodyJoint left : {BodyJoint::kLeftShoulder, BodyJoint::kLeftElbow, BodyJoint::kLeftHand}) {
-      if (swap) std::swap(row.frame[left], row.frame.joints[static_cast<int>(left) + 1]);
+      if (swap) std::swap(row.frame[left], row.frame[rightOf(left)]);
     }
   }
 }

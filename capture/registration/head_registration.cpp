@@ -91,15 +91,7 @@ void HeadRegistration::restart() {
   poses_.clear();
 }
 
-Result<Registration> HeadRegistration::solve() const {
-  return solveFrom(nullptr);
-}
-
-Result<Registration> HeadRegistration::refine(const Registration& start) const {
-  return solveFrom(&start);
-}
-
-Result<Registration> HeadRegistration::solveFrom(const Registration* start) const {
+Result<Registration> HeadRegistration::solve(const std::optional<Registration>& start) const {
   const double now = std::max(heads_.empty() ? 0.0 : heads_.back().time, poses_.empty() ? 0.0 : poses_.back().time);
   std::span<const TrackedHead> seen = since(heads_, now - kWindow);
   std::span<const HeadsetPose> posed = since(poses_, now - kWindow);
@@ -113,7 +105,7 @@ Result<Registration> HeadRegistration::solveFrom(const Registration* start) cons
         " walk where the camera sees you",
         heads.size(), seen.size(), posed.size(), kFewestHeads);
   }
-  const Registration coarse = start != nullptr ? *start : registration::coarseFit(heads, path);
+  const Registration coarse = start ? *start : registration::coarseFit(heads, path);
   if (!(std::abs(coarse.translation.y()) < kMaxFloors)) {
     return unsupported(
         "registration: the floors of headset and camera are {:.2f} m apart, expected less than {}: set the"

@@ -3,6 +3,7 @@
 #include "geometry/math.h"
 #include "geometry/result.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,10 +54,9 @@ class HeadRegistration {
   void restart();
 
   /// Takes milliseconds, and allocates.
+  /// @param start  a registration that is nearly right: takes less time; none = unknown
   /// @return the registration, or what is missing: a walk, its shape, the same floor, the same person
-  [[nodiscard]] Result<Registration> solve() const;
-  /// The same from a registration that is nearly right, in less time.
-  [[nodiscard]] Result<Registration> refine(const Registration& start) const;
+  [[nodiscard]] Result<Registration> solve(const std::optional<Registration>& start = {}) const;
 
   /// Whether the camera or the stage was moved since a registration: in the last 2 s the tracked head was off, by the
   /// median of each coordinate, by more than 5 cm and twice the registration's residual, and by twice the deviation of
@@ -76,8 +76,6 @@ class HeadRegistration {
   };
 
  private:
-  [[nodiscard]] Result<Registration> solveFrom(const Registration* start) const;
-
   std::vector<TrackedHead> heads_;
   std::vector<HeadsetPose> poses_;
 };

@@ -79,7 +79,7 @@ HeadsetLink::Found HeadsetLink::solve(const std::vector<HeadRegistration>& sampl
                         : std::ranges::all_of(samples, [&](const auto& one) { return one.hasMoved(*known); });
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Result<Registration> solved = known && !found.moved ? samples[i].refine(*known) : samples[i].solve();
+    const Result<Registration> solved = samples[i].solve(found.moved ? std::nullopt : known);
     if (!solved && i == 0) found.advice = solved.error().message;
     if (!solved || (found.registration && solved->residual >= found.registration->residual)) continue;
     found.registration = *solved;

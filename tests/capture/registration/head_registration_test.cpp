@@ -273,7 +273,7 @@ TEST(HeadRegistration, NonsenseIsRefusedOrAnswered) {
       EXPECT_TRUE(found->translation.allFinite() && found->levelDeviation > 0.0) << seed;
     }
     (void)registration.hasMoved(found ? *found : Registration());
-    EXPECT_FALSE(registration.refine({.yaw = 1e9, .translation = Vec3(1e3, 0.0, 1e3)}).ok()) << seed;
+    EXPECT_FALSE(registration.solve(Registration{.yaw = 1e9, .translation = Vec3(1e3, 0.0, 1e3)}).ok()) << seed;
   }
 }
 
@@ -320,7 +320,7 @@ TEST(HeadRegistration, IsRefinedFromWhatIsNearlyRight) {
     near.translation += Vec3(0.05, 0.02, -0.05);
     near.lag += 0.03;
     near.headInHeadset = kNominalHeadInHeadset;
-    const Registration refined = test::valueOf(registration.refine(near));
+    const Registration refined = test::valueOf(registration.solve(near));
     EXPECT_NEAR(refined.yaw, found.yaw, 1e-3) << seed;
     EXPECT_LT((refined.translation - found.translation).norm(), 1e-3) << seed;
     EXPECT_LT((refined.headInHeadset - found.headInHeadset).norm(), 1e-3) << seed;
