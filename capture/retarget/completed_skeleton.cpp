@@ -1,6 +1,5 @@
 #include "capture/retarget/completed_skeleton.h"
 
-#include "capture/retarget/human_rig.h"
 #include "capture/retarget/proxy_draft.h"
 #include "capture/retarget/retarget_rig.h"
 #include "geometry/counts.h"
@@ -33,43 +32,28 @@ double sideOf(std::size_t limb) {
   return limb % 2 == 0 ? 1.0 : -1.0;
 }
 
-/// A completed skeleton under construction: the original joints with their original indices, then the added ones.
-struct Draft {
-  std::vector<Joint> joints;  ///< a parent may come after its child
-  std::vector<Quat> rotation;
-  std::vector<Affine3> world;
-  std::array<JointIndex, kHumanBoneCount> jointOf{};
+/// A completed skeleton under construction.
+struct Draft : SkeletonDraft {
+  using SkeletonDraft::position;
+  using SkeletonDraft::SkeletonDraft;
+
   Vec3 up = Vec3::UnitY();
   Vec3 left = Vec3::UnitX();
   Vec3 low = Vec3::Zero();
   Vec3 high = Vec3::Zero();
   double size = 1.0;  ///< relative to an adult
 
-  explicit Draft(const Skeleton& skeleton)
-      : joints(skeleton.joints().begin(), skeleton.joints().end()), rotation(joints.size()), world(joints.size()) {
-    evaluatePose(skeleton, restPose(skeleton), rotation, world);
-    for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = skeleton.jointOf(static_cast<B>(b));
-  }
-
-  [[nodiscard]] JointIndex operator[](B bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
   [[nodiscard]] bool has(B bone) const { return (*this)[bone] != kNoJoint; }
-  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[joint].translation(); }
   [[nodiscard]] Vec3 position(B bone) const { return position((*this)[bone]); }
 
-  [[nodiscard]] bool isBelow(JointIndex joint, JointIndex ancestor) const {
-    do {
-      joint = joints[joint].parent;
-    } while (joint != kNoJoint && joint != ancestor);
-    return joint == ancestor;
-  }
   /// Whether a bone descends from another and is not of zero length.
   [[nodiscard]] bool hangsOn(B bone, B above) const {
-    return has(bone) && has(above) && isBelow((*this)[bone], (*this)[above]) &&
+    return has(bone) && has(above) && isBelowOrSame((*this)[bone], (*this)[above]) &&
            (position(bone) - position(above)).norm() >= kShortestJoined;
   }
 
   void forget(B bone) {
-    JointIndex& joint = jointOf[static_cast<std::size_t>(bone)];
+    JointIndex& joint = jointOf[ordinalOf(bone)];
     if (joint != kNoJoint) joints[joint].bone.reset();
     joint = kNoJoint;
   }
@@ -82,7 +66,7 @@ struct Draft {
     world.push_back(parent == kNoJoint ? Affine3::Identity() : world[parent]);
     world.back().translation() = where;
     joints.push_back({fmt::format("{} (added)", nameOf(bone)), parent, rest, bone});
-    jointOf[static_cast<std::size_t>(bone)] = joint;
+    jointOf[ordinalOf(bone)] = joint;
     return joint;
   }
 
@@ -151,9 +135,8 @@ struct Draft {
     const JointIndex hips = (*this)[B::kHips];
     const JointIndex spine = add(B::kSpine, hips, position(hips));
     const auto carries = [&](JointIndex joint, std::initializer_list<B> bones) {
-      return std::any_of(bones.begin(), bones.end(), [&](B bone) {
-        return has(bone) && ((*this)[bone] == joint || isBelow((*this)[bone], joint));
-      });
+      return std::any_of(bones.begin(), bones.end(),
+                         [&](B bone) { return has(bone) && isBelowOrSame((*this)[bone], joint); });
     };
     for (JointIndex j = 0; j < spine; ++j) {
       if (joints[j].parent != hips || carries(j, {B::kLeftUpperLeg, B::kRightUpperLeg})) continue;
@@ -219,11 +202,11 @@ Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
     if (!known[i]) {
       draft.addLimb(i);
       for (const B bone : {limb.upper, limb.lower, limb.end}) {
-        made.silent_[static_cast<std::size_t>(bone)] = made.placeless_[static_cast<std::size_t>(bone)] = true;
+        made.silent_[ordinalOf(bone)] = made.placeless_[ordinalOf(bone)] = true;
       }
     } else if (!draft.hangsOn(limb.end, limb.lower)) {
       draft.addEnd(limb);
-      made.silent_[static_cast<std::size_t>(limb.end)] = true;
+      made.silent_[ordinalOf(limb.end)] = true;
     }
   }
 

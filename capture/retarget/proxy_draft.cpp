@@ -132,21 +132,19 @@ std::vector<Vec3> solePoints(std::span<const Vec3> points) {
   return sole;
 }
 
-ProxyDraft::ProxyDraft(const Character& made)
-    : character(made),
-      mesh(made),
-      names(readJointNames(made.skeleton)),
-      joints(made.skeleton.joints().begin(), made.skeleton.joints().end()),
-      rotation(joints.size()),
-      world(joints.size()) {
-  evaluatePose(made.skeleton, restPose(made.skeleton), rotation, world);
-  for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = made.skeleton.jointOf(static_cast<HumanBone>(b));
+SkeletonDraft::SkeletonDraft(const Skeleton& skeleton)
+    : joints(skeleton.joints().begin(), skeleton.joints().end()), rotation(joints.size()), world(joints.size()) {
+  evaluatePose(skeleton, restPose(skeleton), rotation, world);
+  for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = skeleton.jointOf(static_cast<HumanBone>(b));
 }
 
-bool ProxyDraft::isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
+bool SkeletonDraft::isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
   while (joint != kNoJoint && joint != ancestor) joint = joints[joint].parent;
   return joint == ancestor;
 }
+
+ProxyDraft::ProxyDraft(const Character& made)
+    : SkeletonDraft(made.skeleton), character(made), mesh(made), names(readJointNames(made.skeleton)) {}
 
 void ProxyDraft::name(HumanBone bone, JointIndex joint) {
   jointOf[static_cast<std::size_t>(bone)] = joint;

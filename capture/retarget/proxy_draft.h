@@ -1,6 +1,7 @@
 #pragma once
 
 #include "capture/retarget/proxy_skeleton.h"
+#include "geometry/counts.h"
 #include "skinning/character.h"
 #include "skinning/humanoid/humanoid_words.h"
 
@@ -41,24 +42,30 @@ class RestMesh {
 /// points.
 [[nodiscard]] std::vector<Vec3> solePoints(std::span<const Vec3> points);
 
-/// A proxy skeleton under construction: the character's joints with their original indices, then the added ones.
-/// Internal to proxy_skeleton.cpp.
-struct ProxyDraft {
+/// A skeleton under construction: the original joints with their indices, then the added ones.
+struct SkeletonDraft {
+  std::vector<Joint> joints;   ///< a parent may come after its child
+  std::vector<Quat> rotation;  ///< world, at rest
+  std::vector<Affine3> world;  ///< at rest
+  std::array<JointIndex, kHumanBoneCount> jointOf{};
+
+  explicit SkeletonDraft(const Skeleton& skeleton);
+
+  [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[ordinalOf(bone)]; }
+  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[joint].translation(); }
+  [[nodiscard]] bool isBelowOrSame(JointIndex joint, JointIndex ancestor) const;
+};
+
+/// A proxy skeleton under construction, whose joints keep their original rest. Internal to proxy_skeleton.cpp.
+struct ProxyDraft : SkeletonDraft {
   const Character& character;
   RestMesh mesh;
   std::vector<JointName> names;
-  std::vector<Joint> joints;  ///< a parent may come after its child; rest is the original one
-  std::vector<Quat> rotation;
-  std::vector<Affine3> world;
-  std::array<JointIndex, kHumanBoneCount> jointOf{};
   std::vector<ProxySkeleton::Substitute> substitutes;
   std::vector<ProxySkeleton::Stray> strays;
 
   explicit ProxyDraft(const Character& made);
 
-  [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
-  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[static_cast<std::size_t>(joint)].translation(); }
-  [[nodiscard]] bool isBelowOrSame(JointIndex joint, JointIndex ancestor) const;
   /// The vertices that follow one joint of the character [m], world.
   [[nodiscard]] std::vector<Vec3> pointsOf(JointIndex joint) const;
 

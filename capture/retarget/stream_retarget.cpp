@@ -20,12 +20,12 @@ constexpr double kFloorTolerance = 0.05;
 
 }  // namespace
 
-Result<StreamRetargeter> StreamRetargeter::create(const Skeleton& skeleton, const StreamRetargetSettings& settings) {
+Result<StreamRetargeter> StreamRetargeter::create(const Skeleton& skeleton, const RetargetSettings& settings) {
   LORICA_TRY(RetargetRig rig, RetargetRig::create(skeleton));
   return StreamRetargeter(std::move(rig), settings);
 }
 
-StreamRetargeter::StreamRetargeter(RetargetRig rig, const StreamRetargetSettings& settings)
+StreamRetargeter::StreamRetargeter(RetargetRig rig, const RetargetSettings& settings)
     : body_(std::move(rig)),
       settings_(settings),
       referenceFromJoint_(boneReference(body_.rig)),

@@ -1,19 +1,13 @@
 #pragma once
 
-#include "capture/confidence_hold.h"
 #include "capture/retarget/bone_pose.h"
-#include "capture/retarget/root_and_feet.h"
+#include "capture/retarget/retarget.h"
 
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace lorica {
-
-struct StreamRetargetSettings {
-  ConfidenceHoldSettings hold;
-  bool plantFeet = true;  ///< see FootLock; if false, limbs point exactly as the sender's
-};
 
 /// Poses a character with another one's bones, frame by frame as they arrive.
 ///
@@ -29,7 +23,7 @@ struct StreamRetargetSettings {
 class StreamRetargeter {
  public:
   /// @return the retargeter, or an error with the humanoid bones that the skeleton lacks
-  static Result<StreamRetargeter> create(const Skeleton& skeleton, const StreamRetargetSettings& settings = {});
+  static Result<StreamRetargeter> create(const Skeleton& skeleton, const RetargetSettings& settings = {});
 
   /// @param time   [s]
   /// @param known  false while the sender is silent: the pose is held
@@ -47,7 +41,7 @@ class StreamRetargeter {
     double legLength = 0.0;  ///< 0 if its offsets do not tell
     Vec3 middleHip = Vec3::Zero();
   };
-  StreamRetargeter(RetargetRig rig, const StreamRetargetSettings& settings);
+  StreamRetargeter(RetargetRig rig, const RetargetSettings& settings);
 
   [[nodiscard]] Sender readSender(const BonePose& sent) const;
   void measure(const Sender& sender, double time);
@@ -56,7 +50,7 @@ class StreamRetargeter {
   void plantFeet(const Sender& sender, bool known, std::span<JointTransform> pose);
 
   PosedBody body_;
-  StreamRetargetSettings settings_;
+  RetargetSettings settings_;
   std::vector<Quat> referenceFromJoint_;
   ConfidenceHold hold_;
   FootLock footLock_;

@@ -93,7 +93,7 @@ TEST(VmcRoundTrip, AnotherCharacterPointsItsLimbsAsTheSender) {
   settings.crookedAxes = true;
   const Skeleton target = test::makeFigure(settings).skeleton;
   Performance jacks(sender, "jumping_jacks");
-  StreamRetargetSettings pure;
+  RetargetSettings pure;
   pure.plantFeet = false;
   StreamRetargeter retargeter = valueOf(StreamRetargeter::create(target, pure));
   ASSERT_FALSE(jacks.poses.empty());
