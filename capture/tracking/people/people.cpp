@@ -347,10 +347,7 @@ void PeopleFinder::paint(std::span<const std::uint16_t> depthMm) {
     if (next == nullptr) break;
     PersonSegment segment;
     segment.user = next->user;
-    segment.left = camera_.width;
-    segment.top = camera_.height;
     segment.middle = next->middle.cast<double>();
-    segment.topHeight = next->top;
     segment.moved = next->moved;
     // If the network knows somebody connected to the room, it is certain which pixels are theirs.
     segment.attached = next->attached && (next->strange || next->affirmed < kStrange * next->cells);
@@ -366,7 +363,6 @@ void PeopleFinder::labelPixels(std::span<const std::uint16_t> depthMm, std::span
   for (std::size_t i = 0; i < labels_.size(); ++i) labels_[i] = depthMm[i] == 0 ? 255 : 0;
   if (people_.empty()) return;
 
-  const int pixelWidth = grid_.width * grid_.step;
   const std::size_t stride = grid_.imageWidth();
   for (int r = 0; r < grid_.height; ++r) {
     for (int c = 0; c < grid_.width; ++c) {
@@ -403,22 +399,10 @@ void PeopleFinder::labelPixels(std::span<const std::uint16_t> depthMm, std::span
           if (nearest > (same ? 3.0F : 1.0F) * step) slot = 0;
           if (slot == 0 || numbers[slot - 1U] == 0) continue;
           labels_[pixel] = numbers[slot - 1U];
-          PersonSegment& one = people_[numbers[slot - 1U] - 1U];
-          const int x = c * grid_.step + dx, y = r * grid_.step + dy;
-          one.left = std::min(one.left, x);
-          one.right = std::max(one.right, x + 1);
-          one.top = std::min(one.top, y);
-          one.bottom = std::max(one.bottom, y + 1);
-          ++one.pixelCount;
+          ++people_[numbers[slot - 1U] - 1U].pixelCount;
         }
       }
     }
-  }
-  for (PersonSegment& one : people_) {
-    if (one.pixelCount == 0) one.left = one.top = 0;
-    const int step = grid_.step;
-    one.cutByBorder = one.left < (grid_.firstColumn + 1) * step || one.top < (grid_.firstRow + 1) * step ||
-                      one.right > std::min(grid_.lastColumn * step, pixelWidth) || one.bottom > grid_.lastRow * step;
   }
 }
 

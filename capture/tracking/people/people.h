@@ -20,11 +20,8 @@ namespace lorica {
 /// One person's pixels in one frame.
 struct PersonSegment {
   int user = 1;  ///< kept from frame to frame while the person is seen, and for two seconds after
-  int left = 0, top = 0, right = 0, bottom = 0;  ///< bounding box [pixels], right and bottom exclusive
   int pixelCount = 0;
   Vec3 middle = Vec3::Zero();  ///< of its points, floor frame [m]
-  double topHeight = 0.0;      ///< the highest point over the floor [m]
-  bool cutByBorder = false;    ///< touches the image border
   bool moved = false;          ///< since found; furniture does not move
   bool attached = false;       ///< connected to the room: which pixels are the person's is uncertain, see explain()
 };
