@@ -43,92 +43,86 @@ class OpenNiStage {
   /// Creates the folder in the temporary directory. The user's drivers are loaded once, so that problems can be
   /// reported, and so that they find their own libraries beside their real files.
   /// @param library  libOpenNI2.so.0
-  [[nodiscard]] static Result<std::unique_ptr<OpenNiStage>> make(const std::filesystem::path& library,
-                                                                 const std::vector<std::filesystem::path>& drivers);
+  [[nodiscard]] static Result<std::unique_ptr<OpenNiStage>> make(const fs::path& library,
+                                                                 const std::vector<fs::path>& drivers) {
+    std::error_code error;
+    const fs::path temporary = fs::temp_directory_path(error);
+    std::string folder = ((error ? fs::path("/tmp") : temporary) / "lorica-openni-XXXXXX").string();
+    if (::mkdtemp(folder.data()) == nullptr) {  // accessible only to this user: its content is executed
+      return unwritable("{}: cannot be created, expected a folder for links to drivers", folder);
+    }
+    std::unique_ptr<OpenNiStage> stage(new OpenNiStage);
+    stage->folder_ = folder;
+    stage->owner_ = ::getpid();
+    stage->cleaning_.emplace([folder = stage->folder_] {
+      std::error_code ignored;
+      fs::remove_all(folder, ignored);
+    });
+    fs::create_directories(stage->folder_ / kDriverFolder, error);
+    LORICA_TRY_DO(link(library, stage->library()));
+
+    std::map<std::string, OpenNiDriver> packaged;  // by link name; sorted, so that the order is always the same
+    for (fs::directory_iterator file(library.parent_path() / kDriverFolder, error), end; !error && file != end;
+         file.increment(error)) {
+      const std::string name = file->path().filename().string();
+      if (isDriverName(name)) packaged[name] = {file->path(), true, {}};
+    }
+    std::vector<OpenNiDriver> users;
+    users.reserve(drivers.size());
+    for (const fs::path& driver : drivers) {
+      const fs::path file = fs::canonical(driver, error);
+      if (error || !fs::is_regular_file(file, error)) {
+        return notFound("{}: found no such file, expected an OpenNI2 driver", driver.string());
+      }
+      // It stays loaded: its threads may need its code after OpenNI2 has shut down.
+      void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+      if (handle == nullptr) {
+        return unreadable("{}: the driver cannot be loaded: {}", driver.string(), loaderProblem());
+      }
+      if (::dlsym(handle, "oniDriverCreate") == nullptr) {
+        return unsupported("{}: found a library without oniDriverCreate, expected an OpenNI2 driver", driver.string());
+      }
+      const std::string name = driverName(file);
+      packaged.erase(name);  // the user's driver replaces one of the same name
+      LORICA_TRY_DO(link(file, stage->folder_ / kDriverFolder / name));
+      users.push_back({file, false, {}});
+    }
+    for (auto& [name, driver] : packaged) {
+      const fs::path to = stage->folder_ / kDriverFolder / name;
+      LORICA_TRY_DO(link(driver.file, to));
+      stage->drivers_.push_back(std::move(driver));
+    }
+    stage->drivers_.insert(stage->drivers_.end(), users.begin(), users.end());
+    return stage;
+  }
+
   /// Removes the folder, but only in the process that created it.
-  ~OpenNiStage();
+  ~OpenNiStage() {
+    if (owner_ != ::getpid()) return;  // a fork()ed child has the parent's folder
+    std::error_code error;
+    fs::remove_all(folder_, error);
+  }
   OpenNiStage(const OpenNiStage&) = delete;
   OpenNiStage& operator=(const OpenNiStage&) = delete;
 
-  [[nodiscard]] std::filesystem::path library() const { return folder_ / "libOpenNI2.so.0"; }
+  [[nodiscard]] fs::path library() const { return folder_ / "libOpenNI2.so.0"; }
   [[nodiscard]] const std::vector<OpenNiDriver>& drivers() const { return drivers_; }
 
  private:
   OpenNiStage() = default;
-  Result<void> link(const std::filesystem::path& from, const std::filesystem::path& to) const;
 
-  std::filesystem::path folder_;
+  static Result<void> link(const fs::path& from, const fs::path& to) {
+    std::error_code error;
+    fs::create_symlink(from, to, error);
+    if (error) return unwritable("{}: cannot link to {}: {}", to.string(), from.string(), error.message());
+    return {};
+  }
+
+  fs::path folder_;
   int owner_ = 0;  ///< process ID
   std::vector<OpenNiDriver> drivers_;
   std::optional<AtHardStop> cleaning_;
 };
-
-Result<void> OpenNiStage::link(const fs::path& from, const fs::path& to) const {
-  std::error_code error;
-  fs::create_symlink(from, to, error);
-  if (error) {
-    return unwritable("{}: cannot link to {}: {}", to.string(), from.string(), error.message());
-  }
-  return {};
-}
-
-Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, const std::vector<fs::path>& drivers) {
-  std::error_code error;
-  const fs::path temporary = fs::temp_directory_path(error);
-  std::string folder = ((error ? fs::path("/tmp") : temporary) / "lorica-openni-XXXXXX").string();
-  if (::mkdtemp(folder.data()) == nullptr) {  // accessible only to this user: its content is executed
-    return unwritable("{}: cannot be created, expected a folder for links to drivers", folder);
-  }
-  std::unique_ptr<OpenNiStage> stage(new OpenNiStage);
-  stage->folder_ = folder;
-  stage->owner_ = ::getpid();
-  stage->cleaning_.emplace([folder = stage->folder_] {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  });
-  fs::create_directories(stage->folder_ / kDriverFolder, error);
-  LORICA_TRY_DO(stage->link(library, stage->library()));
-
-  std::map<std::string, OpenNiDriver> packaged;  // by link name; sorted, so that the order is always the same
-  for (fs::directory_iterator file(library.parent_path() / kDriverFolder, error), end; !error && file != end;
-       file.increment(error)) {
-    const std::string name = file->path().filename().string();
-    if (isDriverName(name)) packaged[name] = {file->path(), true, {}};
-  }
-  std::vector<OpenNiDriver> users;
-  users.reserve(drivers.size());
-  for (const fs::path& driver : drivers) {
-    const fs::path file = fs::canonical(driver, error);
-    if (error || !fs::is_regular_file(file, error)) {
-      return notFound("{}: found no such file, expected an OpenNI2 driver", driver.string());
-    }
-    // It stays loaded: its threads may need its code after OpenNI2 has shut down.
-    void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (handle == nullptr) {
-      return unreadable("{}: the driver cannot be loaded: {}", driver.string(), loaderProblem());
-    }
-    if (::dlsym(handle, "oniDriverCreate") == nullptr) {
-      return unsupported("{}: found a library without oniDriverCreate, expected an OpenNI2 driver", driver.string());
-    }
-    const std::string name = driverName(file);
-    packaged.erase(name);  // the user's driver replaces one of the same name
-    LORICA_TRY_DO(stage->link(file, stage->folder_ / kDriverFolder / name));
-    users.push_back({file, false, {}});
-  }
-  for (auto& [name, driver] : packaged) {
-    const fs::path to = stage->folder_ / kDriverFolder / name;
-    LORICA_TRY_DO(stage->link(driver.file, to));
-    stage->drivers_.push_back(std::move(driver));
-  }
-  stage->drivers_.insert(stage->drivers_.end(), users.begin(), users.end());
-  return stage;
-}
-
-OpenNiStage::~OpenNiStage() {
-  if (owner_ != ::getpid()) return;  // a fork()ed child has the parent's folder
-  std::error_code error;
-  std::filesystem::remove_all(folder_, error);
-}
 
 /// A loaded libOpenNI2, with the folder that it was loaded from. It stays loaded after OpenNI2 is shut down, because
 /// its threads may need its code a little longer, and is unloaded only when other drivers are requested.

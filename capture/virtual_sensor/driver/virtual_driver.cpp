@@ -3,7 +3,6 @@
 /// lorica://depth/ADDRESS, which show what another program sends, see capture/streams/depth_stream.h.
 
 #include "capture/streams/depth_stream.h"
-#include "capture/streams/depth_uri.h"
 #include "capture/virtual_sensor/virtual_script.h"
 
 #include <algorithm>
@@ -45,6 +44,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kUri = "lorica://virtual";
+constexpr std::string_view kSentUri = "lorica://depth/";            ///< and an address as of DepthStreamSettings::at
+constexpr const char* kSentVariable = "LORICA_DEPTH";               ///< such an address: that camera instead of people
+constexpr const char* kSentFormatVariable = "LORICA_DEPTH_FORMAT";  ///< of bare images, see parseBareDepth()
 /// Above every depth value: the recorder sizes a table by it, in millimetres.
 constexpr int kMaxDepth = 10000;
 
