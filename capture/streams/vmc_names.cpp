@@ -39,25 +39,6 @@ bool sameButFirstCase(std::string_view unity, std::string_view vrm) {
   return unity.size() == vrm.size() && unity.substr(1) == vrm.substr(1) && unity.front() - 'A' + 'a' == vrm.front();
 }
 
-/// VRM 1.0's presets and their names in 0.x. `surprised` is new in 1.0.
-constexpr std::array<std::array<std::string_view, 2>, 17> kExpressions = {{{"neutral", "Neutral"},
-                                                                           {"happy", "Joy"},
-                                                                           {"angry", "Angry"},
-                                                                           {"sad", "Sorrow"},
-                                                                           {"relaxed", "Fun"},
-                                                                           {"aa", "A"},
-                                                                           {"ih", "I"},
-                                                                           {"ou", "U"},
-                                                                           {"ee", "E"},
-                                                                           {"oh", "O"},
-                                                                           {"blink", "Blink"},
-                                                                           {"blinkLeft", "Blink_L"},
-                                                                           {"blinkRight", "Blink_R"},
-                                                                           {"lookUp", "LookUp"},
-                                                                           {"lookDown", "LookDown"},
-                                                                           {"lookLeft", "LookLeft"},
-                                                                           {"lookRight", "LookRight"}}};
-
 }  // namespace
 
 std::string_view vmcNameOf(HumanBone bone) {
@@ -72,13 +53,6 @@ std::optional<HumanBone> vmcBoneNamed(std::string_view name) {
     if (names()[b] == name || sameButFirstCase(names()[b], name)) return static_cast<HumanBone>(b);
   }
   return std::nullopt;
-}
-
-std::string vmcExpressionNamed(std::string_view name) {
-  for (const auto& [preset, sent] : kExpressions) {
-    if (preset == name) return std::string(sent);
-  }
-  return std::string(name);
 }
 
 }  // namespace lorica

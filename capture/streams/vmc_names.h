@@ -3,7 +3,6 @@
 #include "skinning/skeleton.h"
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 namespace lorica {
@@ -14,9 +13,5 @@ namespace lorica {
 /// The inverse. Also takes VRM 1.0's names ("leftUpperArm"), which some programs send. Eyes, jaw and unknown names give
 /// nothing.
 [[nodiscard]] std::optional<HumanBone> vmcBoneNamed(std::string_view name);
-
-/// The name of an expression as it is sent: of a preset VRM 0.x's, such as "Joy" and "Blink_L", which all receivers
-/// know; of others their own. @param name  as in Expression::name
-[[nodiscard]] std::string vmcExpressionNamed(std::string_view name);
 
 }  // namespace lorica

@@ -19,24 +19,24 @@ struct Preset {
 };
 
 /// 1.0's presets and their names in 0.x. `surprised` is new in 1.0.
-constexpr std::array<Preset, 18> kPresets = {{{"neutral", "neutral", ProceduralKind::kNone},
-                                              {"happy", "joy", ProceduralKind::kNone},
-                                              {"angry", "angry", ProceduralKind::kNone},
-                                              {"sad", "sorrow", ProceduralKind::kNone},
-                                              {"relaxed", "fun", ProceduralKind::kNone},
+constexpr std::array<Preset, 18> kPresets = {{{"neutral", "Neutral", ProceduralKind::kNone},
+                                              {"happy", "Joy", ProceduralKind::kNone},
+                                              {"angry", "Angry", ProceduralKind::kNone},
+                                              {"sad", "Sorrow", ProceduralKind::kNone},
+                                              {"relaxed", "Fun", ProceduralKind::kNone},
                                               {"surprised", "surprised", ProceduralKind::kNone},
-                                              {"aa", "a", ProceduralKind::kMouth},
-                                              {"ih", "i", ProceduralKind::kMouth},
-                                              {"ou", "u", ProceduralKind::kMouth},
-                                              {"ee", "e", ProceduralKind::kMouth},
-                                              {"oh", "o", ProceduralKind::kMouth},
-                                              {"blink", "blink", ProceduralKind::kBlink},
-                                              {"blinkLeft", "blink_l", ProceduralKind::kBlink},
-                                              {"blinkRight", "blink_r", ProceduralKind::kBlink},
-                                              {"lookUp", "lookup", ProceduralKind::kLookAt},
-                                              {"lookDown", "lookdown", ProceduralKind::kLookAt},
-                                              {"lookLeft", "lookleft", ProceduralKind::kLookAt},
-                                              {"lookRight", "lookright", ProceduralKind::kLookAt}}};
+                                              {"aa", "A", ProceduralKind::kMouth},
+                                              {"ih", "I", ProceduralKind::kMouth},
+                                              {"ou", "U", ProceduralKind::kMouth},
+                                              {"ee", "E", ProceduralKind::kMouth},
+                                              {"oh", "O", ProceduralKind::kMouth},
+                                              {"blink", "Blink", ProceduralKind::kBlink},
+                                              {"blinkLeft", "Blink_L", ProceduralKind::kBlink},
+                                              {"blinkRight", "Blink_R", ProceduralKind::kBlink},
+                                              {"lookUp", "LookUp", ProceduralKind::kLookAt},
+                                              {"lookDown", "LookDown", ProceduralKind::kLookAt},
+                                              {"lookLeft", "LookLeft", ProceduralKind::kLookAt},
+                                              {"lookRight", "LookRight", ProceduralKind::kLookAt}}};
 
 /// Equal but for the case of ASCII letters.
 [[nodiscard]] bool sameName(std::string_view a, std::string_view b) {
@@ -74,6 +74,11 @@ constexpr std::array<Preset, 18> kPresets = {{{"neutral", "neutral", ProceduralK
 std::string presetName(std::string_view name) {
   const Preset* preset = presetOf(name);
   return std::string(preset != nullptr ? preset->name : name);
+}
+
+std::string nameInVrm0(std::string_view name) {
+  const auto* const found = std::ranges::find(kPresets, name, &Preset::name);
+  return std::string(found == kPresets.end() ? name : found->nameIn0);
 }
 
 std::optional<std::size_t> findExpression(const Expressions& expressions, std::string_view name) {

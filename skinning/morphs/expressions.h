@@ -74,6 +74,8 @@ struct Expressions {
 /// VRM 1.0's name of a preset expression, from its name in 1.0 or 0.x in any case: "Joy" is "happy", "blink_l" is
 /// "blinkLeft". Other names are returned as they are.
 [[nodiscard]] std::string presetName(std::string_view name);
+/// VRM 0.x's name of a preset expression of 1.0: "happy" is "Joy". Other names are returned as they are.
+[[nodiscard]] std::string nameInVrm0(std::string_view name);
 
 /// Index of the expression with a name in any case, or with a preset's other name; none if the character lacks it.
 [[nodiscard]] std::optional<std::size_t> findExpression(const Expressions& expressions, std::string_view name);

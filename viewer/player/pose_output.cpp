@@ -4,6 +4,7 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "session/contact_events.h"
+#include "skinning/morphs/expressions.h"
 #include "viewer/player/session_face.h"
 
 #include <fmt/format.h>
@@ -31,7 +32,7 @@ class SentFace {
     for (std::size_t e = 0; e < chosen_.size(); ++e) face_.set(e, chosen_[e]);
     names_.reserve(expressions_.list.size());
     for (const Expression& expression : expressions_.list) {
-      names_.push_back(vmcExpressionNamed(expression.name));
+      names_.push_back(nameInVrm0(expression.name));  // which all receivers know
       weights_.push_back({names_.back(), 0.0f});
     }
   }

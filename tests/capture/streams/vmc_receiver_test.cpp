@@ -39,14 +39,6 @@ TEST(VmcNames, AreUnitys) {
   }
 }
 
-TEST(VmcNames, ExpressionsHaveTheOldNames) {
-  EXPECT_EQ(vmcExpressionNamed("happy"), "Joy");
-  EXPECT_EQ(vmcExpressionNamed("blinkLeft"), "Blink_L");
-  EXPECT_EQ(vmcExpressionNamed("aa"), "A");
-  EXPECT_EQ(vmcExpressionNamed("surprised"), "surprised");
-  EXPECT_EQ(vmcExpressionNamed("MyFace"), "MyFace");
-}
-
 /// A turn of 90 degrees about Unity's +Y (clockwise from above) moves the left hand, at -X there, to +Z.
 TEST(VmcReceiver, AxesAreConverted) {
   VmcReceiver receiver;

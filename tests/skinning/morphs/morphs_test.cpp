@@ -300,6 +300,14 @@ TEST(Expressions, ANameIsTakenOnce) {
   EXPECT_EQ(expressions.list.size(), 1u);
 }
 
+TEST(Expressions, PresetsHaveOldNames) {
+  EXPECT_EQ(nameInVrm0("happy"), "Joy");
+  EXPECT_EQ(nameInVrm0("blinkLeft"), "Blink_L");
+  EXPECT_EQ(nameInVrm0("aa"), "A");
+  EXPECT_EQ(nameInVrm0("surprised"), "surprised");
+  EXPECT_EQ(nameInVrm0("MyFace"), "MyFace");
+}
+
 TEST(Expressions, NamesOfPresetsIn0AreThoseOf1) {
   EXPECT_EQ(presetName("Joy"), "happy");
   EXPECT_EQ(presetName("fun"), "relaxed");
