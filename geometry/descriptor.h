@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 namespace lorica {
 
@@ -13,14 +14,19 @@ class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
   ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    reset(other.release());
+    return *this;
+  }
   [[nodiscard]] int get() const { return fd_; }
   [[nodiscard]] bool valid() const { return fd_ >= 0; }
   void close() {
     if (valid()) ::close(fd_);
     fd_ = -1;
   }
+  /// Leaves it to the caller.
+  [[nodiscard]] int release() { return std::exchange(fd_, -1); }
   /// Owns another one instead.
   void reset(int fd) {
     close();

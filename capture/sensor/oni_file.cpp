@@ -20,7 +20,7 @@ namespace {
 
 class FileBytes : public OniBytes {
  public:
-  FileBytes(int descriptor, std::uint64_t size) : file_(descriptor), size_(size) {}
+  FileBytes(Descriptor file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
 
   [[nodiscard]] std::uint64_t size() const override { return size_; }
   [[nodiscard]] bool read(std::uint64_t at, std::span<std::uint8_t> out) const override {
@@ -69,18 +69,17 @@ void DepthRecording::seek(int frame) {
 }
 
 Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file) {
-  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) {
+  Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!opened.valid()) {
     const int why = errno;
     const ErrorCode code = why == ENOENT || why == ENOTDIR ? ErrorCode::kNotFound : ErrorCode::kUnreadable;
     return Error{code, fmt::format("{}: cannot be read: {}", file.string(), std::generic_category().message(why))};
   }
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor);
+  if (::fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
     return unreadable("{}: found no regular file, expected a recording", file.string());
   }
-  return std::unique_ptr<OniBytes>(std::make_unique<FileBytes>(descriptor, std::max<off_t>(status.st_size, 0)));
+  return std::unique_ptr<OniBytes>(std::make_unique<FileBytes>(std::move(opened), std::max<off_t>(status.st_size, 0)));
 }
 
 std::unique_ptr<OniBytes> bytesInMemory(std::string_view bytes) {

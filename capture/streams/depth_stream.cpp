@@ -72,15 +72,13 @@ Result<int> listenAt(const std::string& path) {
     if (::connect(probe.get(), where, sizeof address) == 0 || errno != ECONNREFUSED) return noSocket(path, EADDRINUSE);
     (void)::unlink(path.c_str());
   }
-  const int made = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  Descriptor made(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
   // Between bind() and listen() nobody can connect, so nobody else ever can.
-  if (made < 0 || ::bind(made, where, sizeof address) != 0 || ::chmod(path.c_str(), S_IRUSR | S_IWUSR) != 0 ||
-      ::listen(made, 4) != 0) {
-    const int why = errno;
-    if (made >= 0) ::close(made);
-    return noSocket(path, why);
+  if (!made.valid() || ::bind(made.get(), where, sizeof address) != 0 ||
+      ::chmod(path.c_str(), S_IRUSR | S_IWUSR) != 0 || ::listen(made.get(), 4) != 0) {
+    return noSocket(path, errno);
   }
-  return made;
+  return made.release();
 }
 
 /// A pipe holds 64 kB, an image some ten times as much: with more in it both sides wait less often.

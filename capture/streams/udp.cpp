@@ -9,13 +9,11 @@
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <memory>
-#include <utility>
 
 namespace lorica {
 namespace {
@@ -49,10 +47,9 @@ Result<int> openFirst(const NetworkAddress& address, int type, bool passive, con
   LORICA_TRY(const Addresses list, resolve(address, type, passive));
   int reason = EADDRNOTAVAIL;
   for (const addrinfo* one = list.get(); one != nullptr; one = one->ai_next) {
-    const int descriptor = socket(one->ai_family, type | SOCK_CLOEXEC, 0);
-    if (descriptor >= 0 && use(descriptor, one->ai_addr, one->ai_addrlen) == 0) return descriptor;
+    Descriptor made(socket(one->ai_family, type | SOCK_CLOEXEC, 0));
+    if (made.valid() && use(made.get(), one->ai_addr, one->ai_addrlen) == 0) return made.release();
     reason = errno;
-    if (descriptor >= 0) close(descriptor);
   }
   return unreadable("{}: cannot {}: {}", textOf(address), purpose, std::strerror(reason));
 }
@@ -121,35 +118,20 @@ Result<UdpSocket> UdpSocket::connect(const NetworkAddress& address) {
   return UdpSocket(descriptor);
 }
 
-UdpSocket::~UdpSocket() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
-
-UdpSocket::UdpSocket(UdpSocket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-UdpSocket& UdpSocket::operator=(UdpSocket&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  return *this;
-}
-
 std::optional<UdpSocket::Packet> UdpSocket::receive(std::span<std::byte> memory, double seconds) {
-  pollfd ready{descriptor_, POLLIN, 0};
+  pollfd ready{socket_.get(), POLLIN, 0};
   if (poll(&ready, 1, static_cast<int>(1e3 * seconds)) <= 0) return std::nullopt;
   sockaddr_storage from{};
   socklen_t length = sizeof from;
   const ssize_t size =
-      recvfrom(descriptor_, memory.data(), memory.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
+      recvfrom(socket_.get(), memory.data(), memory.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
   if (size < 0) return std::nullopt;
   return Packet{static_cast<std::size_t>(size),
                 contentHash(std::string_view(reinterpret_cast<const char*>(&from), length)), portOf(from)};
 }
 
 bool UdpSocket::send(std::span<const std::byte> packet) {
-  return ::send(descriptor_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno == ECONNREFUSED;
-}
-
-std::uint16_t UdpSocket::port() const {
-  return portOf(descriptor_);
+  return ::send(socket_.get(), packet.data(), packet.size(), MSG_DONTWAIT | MSG_NOSIGNAL) >= 0 || errno == ECONNREFUSED;
 }
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/descriptor.h"
 #include "geometry/result.h"
 
 #include <cstddef>
@@ -36,11 +37,6 @@ class UdpSocket {
   [[nodiscard]] static Result<UdpSocket> listen(const NetworkAddress& address);
   /// Sends to an address.
   [[nodiscard]] static Result<UdpSocket> connect(const NetworkAddress& address);
-  ~UdpSocket();
-  UdpSocket(UdpSocket&& other) noexcept;
-  UdpSocket& operator=(UdpSocket&& other) noexcept;
-  UdpSocket(const UdpSocket&) = delete;
-  UdpSocket& operator=(const UdpSocket&) = delete;
 
   struct Packet {
     std::size_t size = 0;
@@ -55,12 +51,12 @@ class UdpSocket {
   bool send(std::span<const std::byte> packet);
 
   /// The port that a socket got, also if 0 was asked for.
-  [[nodiscard]] std::uint16_t port() const;
+  [[nodiscard]] std::uint16_t port() const { return portOf(socket_.get()); }
 
  private:
-  explicit UdpSocket(int descriptor) : descriptor_(descriptor) {}
+  explicit UdpSocket(int descriptor) : socket_(descriptor) {}
 
-  int descriptor_ = -1;
+  Descriptor socket_;
 };
 
 }  // namespace lorica
