@@ -33,21 +33,13 @@ double FramePace::due(double arrival) {
 }
 
 VmcStream::VmcStream(UdpSocket socket, double delay)
-    : socket_(std::move(socket)), pace_(delay), thread_([this] { run(); }) {}
-
-VmcStream::~VmcStream() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  thread_.join();
-}
+    : socket_(std::move(socket)), pace_(delay), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 double VmcStream::now() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
 }
 
-void VmcStream::run() {
+void VmcStream::run(const std::stop_token& stop) {
   std::vector<std::byte> memory(kLargestPacket);
   while (true) {
     const std::optional<UdpSocket::Packet> packet = socket_.receive(memory, kPollSeconds);
@@ -59,7 +51,7 @@ void VmcStream::run() {
     counts_.others = follower_.others();
     counts_.refused = follower_.refused();
     if (complete) publish();
-    if (stop_) return;
+    if (stop.stop_requested()) return;
   }
 }
 

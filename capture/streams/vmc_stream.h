@@ -13,6 +13,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -107,9 +108,6 @@ class VmcStream final : public BoneStream {
 
   /// Starts to listen. @param delay  of each frame [s]
   explicit VmcStream(UdpSocket socket, double delay = 0.0);
-  ~VmcStream() override;
-  VmcStream(const VmcStream&) = delete;
-  VmcStream& operator=(const VmcStream&) = delete;
 
   [[nodiscard]] bool wait(double seconds, BoneFrame& frame) override;
   [[nodiscard]] bool ready() const override;
@@ -127,7 +125,7 @@ class VmcStream final : public BoneStream {
   [[nodiscard]] std::string title() const;
 
  private:
-  void run();
+  void run(const std::stop_token& stop);
   void publish();
 
   UdpSocket socket_;      ///< used by the thread only
@@ -141,9 +139,8 @@ class VmcStream final : public BoneStream {
   std::string title_;
   Counts counts_;
   std::optional<Given> given_;
-  bool stop_ = false;
 
-  std::thread thread_;
+  std::jthread thread_;  ///< is ended first
 };
 
 }  // namespace lorica

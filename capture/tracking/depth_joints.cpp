@@ -164,23 +164,16 @@ void DepthJoints::fillPlaces(std::span<const TrackedPerson> people) {
   sight_.joints = sight_.places.front();
 }
 
-LiveJoints::LiveJoints(DepthJoints joints) : joints_(std::move(joints)), thread_([this] { run(); }) {}
+LiveJoints::LiveJoints(DepthJoints joints)
+    : joints_(std::move(joints)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-LiveJoints::~LiveJoints() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  thread_.join();
-}
-
-void LiveJoints::run() {
+void LiveJoints::run(const std::stop_token& stop) {
   while (true) {
     Result<std::optional<SkeletonFrame>> got = joints_.next();
     const bool last = !got || !got->has_value();
     {
       const std::lock_guard lock(mutex_);
-      if (stop_) return;
+      if (stop.stop_requested()) return;
       latest_ = std::move(got);
       latestSight_ = joints_.sight();
       if (latestSight_.read == DepthRead::kFrame) ++latestFrameCount_;

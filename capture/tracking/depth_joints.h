@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -121,9 +122,6 @@ class LiveJoints final : public SkeletonSource {
  public:
   /// Starts tracking.
   explicit LiveJoints(DepthJoints joints);
-  ~LiveJoints() override;
-  LiveJoints(const LiveJoints&) = delete;
-  LiveJoints& operator=(const LiveJoints&) = delete;
 
   /// Waits for joints newer than those of the last call.
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
@@ -141,7 +139,7 @@ class LiveJoints final : public SkeletonSource {
   [[nodiscard]] int followedCount() const { return followedCount_; }
 
  private:
-  void run();
+  void run(const std::stop_token& stop);
 
   DepthJoints joints_;  ///< used by the thread only
 
@@ -150,12 +148,11 @@ class LiveJoints final : public SkeletonSource {
   std::optional<Result<std::optional<SkeletonFrame>>> latest_;  ///< empty once it was returned
   DepthSight latestSight_;
   int latestFrameCount_ = 0, latestFollowedCount_ = 0;
-  bool stop_ = false;
 
   DepthSight sight_;  ///< used by the caller only
   int frameCount_ = 0, followedCount_ = 0;
   bool ended_ = false;
-  std::thread thread_;
+  std::jthread thread_;  ///< is ended first
 };
 
 /// The joints of a further place, see DepthSight::places: those of the last next() of the first place's source.
