@@ -257,21 +257,15 @@ void readJoints(const PosedModel& body, SkeletonFrame& frame) {
     out.orientation = Quat(rotation.cast<double>()).normalized();
     out.confidence = 0.0;
   };
-  const auto node = [&](J joint, Node n) { put(joint, body.position[n], body.rotation[n]); };
-  node(J::kNeck, kNeck);
+  put(J::kNeck, body.position[kNeck], body.rotation[kNeck]);
   put(J::kHead, headOf(body), body.rotation[kNeck]);
-  node(J::kLeftShoulder, kLeftUpperArm);
-  node(J::kRightShoulder, kRightUpperArm);
-  node(J::kLeftElbow, kLeftForearm);
-  node(J::kRightElbow, kRightForearm);
-  node(J::kLeftHand, kLeftHand);
-  node(J::kRightHand, kRightHand);
-  node(J::kLeftHip, kLeftThigh);
-  node(J::kRightHip, kRightThigh);
-  node(J::kLeftKnee, kLeftShin);
-  node(J::kRightKnee, kRightShin);
-  node(J::kLeftFoot, kLeftFoot);
-  node(J::kRightFoot, kRightFoot);
+  int node = kLeftUpperArm;  // the limbs' nodes are in the order of their joints
+  for (const J left : kLeftJoints) {
+    for (const J joint : {left, rightOf(left)}) {
+      put(joint, body.position[node], body.rotation[node]);
+      ++node;
+    }
+  }
   put(J::kTorso, 0.25F * (body.position[kLeftThigh] + body.position[kRightThigh]) + 0.5F * body.position[kNeck],
       body.rotation[kChest]);
 }
