@@ -3,7 +3,6 @@
 #include "geometry/counts.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/character_parts.h"
-#include "skinning/import/character_parts.h"
 #include "tests/skinning/humanoid/humanoid_samples.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"

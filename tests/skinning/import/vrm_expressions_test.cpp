@@ -1,5 +1,5 @@
-#include "skinning/import/scene_readers.h"
 #include "geometry/work_budgets.h"
+#include "skinning/import/scene_readers.h"
 
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
