@@ -1,6 +1,7 @@
 #include "acd/part_concavity.h"
 
 #include "acd/cut.h"
+#include "acd/hull_distance.h"
 #include "acd/volume_coverage.h"
 #include "geometry/counts.h"
 #include "geometry/triangle_tree.h"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 namespace lorica {
@@ -20,10 +20,7 @@ constexpr double kThin = 1e-5;
 constexpr double kNoSpace = 1e-9;
 // Distances from planes are inexact by less than this share of the hull's diagonal.
 constexpr double kPlaneRounding = 1e-13;
-constexpr int kSamples = 2000;  // on a hull, as many as CoACD takes
-// More where it is near what matters.
-constexpr int kNearSamples = 6000;
-constexpr double kNear = 0.8;
+constexpr double kTold = 0.05;  // distances of a hull up to this share of what need not be told apart are not
 constexpr double kMaxSurfaceSamples = 2e7;  // on a part: of very many slivers they are farther apart
 
 constexpr double kOnFace = 1e-7;  // of the hull's diagonal: nearer to a plane is in the hull
@@ -115,28 +112,7 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
     }
     if (concavity > enough) return concavity;
   }
-  std::optional<TriangleTree> surface;
-  std::array<Vec3, 3> nearest{};  // the triangle that was nearest to the sample before
-  std::vector<std::int32_t> faceOf;
-  for (const int samples : {kSamples, kNearSamples}) {
-    const std::vector<Vec3> spread = spreadPoints(hull.vertices, hull.triangles, samples, samples, &faceOf);
-    for (std::size_t i = 0; i < spread.size(); ++i) {
-      const Vec3& p = spread[i];
-      const auto within = [&](double distanceSq) { return distanceSq <= concavity * concavity; };
-      // A corner of the hull is one of the part.
-      if (std::ranges::any_of(hull.triangles[faceOf[i]],
-                              [&](VertexIndex v) { return within((hull.vertices[v] - p).squaredNorm()); }))
-        continue;
-      if (surface && within(nearestOnTriangle(p, nearest).first)) continue;
-      if (!surface) surface.emplace(points, triangles, TriangleTree::Use::kDistances);
-      const TriangleTree::Hit hit = surface->nearest(p, concavity);
-      nearest = surface->corners(hit);
-      concavity = std::max(concavity, hit.distance);
-      if (concavity > enough) return concavity;
-    }
-    if (concavity < kNear * ignoreBelow) break;
-  }
-  return concavity;
+  return std::max(concavity, hullDistance(hull, points, triangles, std::max(concavity, kTold * ignoreBelow), enough));
 }
 
 TriMesh clippedToHull(const TriMesh& solid, const ConvexHull& hull) {

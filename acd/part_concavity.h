@@ -43,9 +43,8 @@ class HullPlanes {
 /// larger of the Hausdorff distance between the surfaces of part and hull, and 0.3 times the radius of a ball as large
 /// as the volume between them [m].
 ///
-/// From hull to part, it is the largest distance of 2,000 points, as in CoACD, or of 8,000 where it is above 0.8 times
-/// `ignoreBelow`; from part to hull, that of points at most `ignoreBelow` / 4 apart. So it may be some hundredths too
-/// small.
+/// From hull to part, it is at most a hundredth too large, see hullDistance(); from part to hull, it is that of points
+/// at most `ignoreBelow` / 4 apart.
 /// @param hull         of the part
 /// @param points       positions that the triangles index
 /// @param triangles    of the closed part

@@ -167,7 +167,7 @@ double TriangleTree::windingNumber(const Vec3& p, std::size_t* looked) const {
 }
 
 std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles, int count,
-                               std::optional<std::uint64_t> seed, std::vector<std::int32_t>* triangleOf) {
+                               std::optional<std::uint64_t> seed) {
   std::vector<double> areaUpTo;
   areaUpTo.reserve(triangles.size());
   double area = 0.0;
@@ -183,7 +183,6 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
   const auto fraction = [](double x) { return x - std::floor(x); };
   std::vector<Vec3> points;
   points.reserve(count);
-  if (triangleOf != nullptr) triangleOf->clear();
   std::size_t k = 0;
   for (int i = 0; i < count; ++i) {
     const double at = (i + unit(2 + i)) * area / count;
@@ -192,7 +191,6 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
     // The square root makes points uniform by area: it maps a uniform number to the distance from a corner.
     const double r = std::sqrt(fraction(offsetR + i * 0.7548776662466927));
     const double u = r * fraction(offsetU + i * 0.5698402909980532);
-    if (triangleOf != nullptr) triangleOf->push_back(static_cast<std::int32_t>(k));
     points.emplace_back((1.0 - r) * vertices[t[0]] + (r - u) * vertices[t[1]] + u * vertices[t[2]]);
   }
   return points;

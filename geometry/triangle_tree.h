@@ -161,10 +161,8 @@ void TriangleTree::forEachEntry(Reaches&& reaches, Visit&& visit) const {
 
 /// Points spread evenly over triangles, one in each of equally many strips of equal area: at random in the strip, or in
 /// its middle without a seed.
-/// @param triangleOf  if given, the triangle of each
 /// @return none if the triangles have no area
 [[nodiscard]] std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                                             int count, std::optional<std::uint64_t> seed = {},
-                                             std::vector<std::int32_t>* triangleOf = nullptr);
+                                             int count, std::optional<std::uint64_t> seed = {});
 
 }  // namespace lorica
