@@ -4,6 +4,7 @@
 #include "acd/mesh_frame.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/flat_faces.h"
 #include "geometry/mass_properties.h"
 #include "geometry/threads.h"
 
@@ -73,6 +74,56 @@ std::vector<Vec3> inOwnFrame(const TriMesh& mesh, PoseView keyframes) {
   return own;
 }
 
+/// A rigid mesh as its surface alone decides: with as few triangles as its flat faces need, and vertices in the order
+/// of their positions.
+struct PlainMesh {
+  TriMesh mesh;
+  std::vector<VertexIndex> vertexOf;     // of the given mesh
+  std::vector<std::int32_t> triangleOf;  // the same
+};
+
+PlainMesh plainMesh(std::span<const Vec3> own, std::span<const Triangle> triangles) {
+  PlainMesh plain;
+  plain.vertexOf.resize(own.size());
+  std::iota(plain.vertexOf.begin(), plain.vertexOf.end(), 0);
+  std::stable_sort(plain.vertexOf.begin(), plain.vertexOf.end(), [&](VertexIndex a, VertexIndex b) {
+    return std::lexicographical_compare(own[a].begin(), own[a].end(), own[b].begin(), own[b].end());
+  });
+  std::vector<VertexIndex> numberOf(own.size());
+  for (std::size_t v = 0; v < own.size(); ++v) {
+    numberOf[plain.vertexOf[v]] = v;
+    plain.mesh.vertices.push_back(own[plain.vertexOf[v]]);
+  }
+  for (const Triangle& t : triangles) plain.mesh.triangles.push_back({numberOf[t[0]], numberOf[t[1]], numberOf[t[2]]});
+  FlatFaces merged = mergeFlatFaces(plain.mesh);
+  if (checkClosedTwoManifold({plain.mesh.vertices, merged.triangles})) {
+    plain.mesh.triangles = std::move(merged.triangles);
+    plain.triangleOf = std::move(merged.sources);
+  } else {
+    plain.triangleOf.resize(triangles.size());
+    std::iota(plain.triangleOf.begin(), plain.triangleOf.end(), 0);
+  }
+  return plain;
+}
+
+/// Expresses parts of a plain mesh in vertices and triangles of the mesh that it was made of.
+void giveBack(const PlainMesh& plain, int triangleCount, Decomposition& decomposition) {
+  const auto renumber = [&](PointIndex& p) {
+    if (p < decomposition.vertexCount) p = plain.vertexOf[p];
+  };
+  decomposition.triangleCount = triangleCount;
+  for (CutPoint& point : decomposition.cutPoints) {
+    renumber(point.first);
+    renumber(point.second);
+  }
+  for (Part& part : decomposition.parts) {
+    for (Triangle& t : part.triangles) std::for_each(t.begin(), t.end(), renumber);
+    for (std::int32_t& source : part.sourceTriangle) source = source < 0 ? source : plain.triangleOf[source];
+    std::for_each(part.points.begin(), part.points.end(), renumber);
+    std::sort(part.points.begin(), part.points.end());
+  }
+}
+
 }  // namespace
 
 Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
@@ -89,6 +140,9 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     return invalidArgument("{} keyframe positions for a mesh of {} vertices: expected a positive multiple",
                            keyframes.positions.size(), mesh.vertices.size());
   }
+  if (settings.rigid && keyframes.keyframeCount() > 1) {
+    return invalidArgument("{} keyframes of a rigid mesh, expected one", keyframes.keyframeCount());
+  }
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     TriMesh posed;
     posed.vertices.assign(keyframes.keyframe(k).begin(), keyframes.keyframe(k).end());
@@ -100,9 +154,13 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     }
   }
   const std::vector<Vec3> own = inOwnFrame(mesh, keyframes);
+  std::optional<PlainMesh> plain;
+  if (settings.rigid) plain = plainMesh(own, mesh.triangles);
   Result<Decomposition> result = withThreads(settings.threads, [&] {
-    return cutAndMerge(mesh, {own, keyframes.vertexCount}, settings);
+    return plain ? cutAndMerge(plain->mesh, {plain->mesh.vertices, keyframes.vertexCount}, settings)
+                 : cutAndMerge(mesh, {own, keyframes.vertexCount}, settings);
   });
+  if (result && plain) giveBack(*plain, countOf(mesh.triangles), *result);
   if (result) dropUnusedCutPoints(*result);
   return result;
 }

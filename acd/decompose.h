@@ -20,7 +20,7 @@ enum class DecomposePreset : std::uint8_t {
 
 /// Increase this when decompose() or chooseCover() gives a different result for the same input, or when .lorica files
 /// hold more data, so that caches written by older versions are not used.
-inline constexpr std::uint64_t kAlgorithmVersion = 15;
+inline constexpr std::uint64_t kAlgorithmVersion = 16;
 
 /// How a mesh is cut, and when cutting stops; whichever limit is reached first.
 struct DecomposeSettings {
@@ -33,9 +33,13 @@ struct DecomposeSettings {
   /// With limits, the number of parts is the smallest that meets all of them in every keyframe, but at most maxParts
   /// unless that is 0. A limit of 0 is no limit. They are about the parts' hulls, see partHull(), and not about larger
   /// ones with fewer vertices.
-  double maxError = 0.0;            ///< (hull volume - mesh volume) / mesh volume
-  double maxDistance = 0.0;         ///< of any point of a part's hull from the part, see hullDistance() [m]
-  double maxConcavity = 0.0;        ///< of any part, see partConcavity() [m]
+  double maxError = 0.0;      ///< (hull volume - mesh volume) / mesh volume
+  double maxDistance = 0.0;   ///< of any point of a part's hull from the part, see hullDistance() [m]
+  double maxConcavity = 0.0;  ///< of any part, see partConcavity() [m]
+  /// The mesh keeps its shape, and has one keyframe. Then its parts do not depend on how its file divides flat faces
+  /// into triangles, nor on the order of vertices and triangles: what mergeFlatFaces() leaves is cut. Vertices that
+  /// flat faces do not need are in no part, and up to 3e-7 of the diagonal outside the hulls.
+  bool rigid = false;
   int threads = 0;                  ///< 0 = all of the machine's; the result does not depend on it
   DecomposeProgress progress = {};  ///< called as parts are cut; empty = nobody listens
 };

@@ -75,7 +75,7 @@ Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& opti
   DecomposeSettings settings;
   settings.maxParts = options.parts > 0 ? options.parts : kExportParts;
   // Hulls that hold every vertex may be larger than their parts.
-  settings.maxConcavity = 0.96 * options.maxConcavity * concavityUnitOf(subject);
+  settings.maxConcavity = 0.99 * options.maxConcavity * concavityUnitOf(subject);
   if (options.preset) settings.preset = *options.preset;
   settings.threads = host.threads;
   LORICA_TRY(CachedDecomposition made, meshDecomposition(subject.name, subject.mesh, settings, host));

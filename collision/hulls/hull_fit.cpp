@@ -33,8 +33,9 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
 
 /// Vertices that hulls must hold enlarge them, mostly by very little, and concavity is sampled: the parts leave room
 /// for that.
-DecomposeSettings withMargin(DecomposeSettings settings) {
-  settings.maxConcavity *= 0.96;
+DecomposeSettings withMargin(const FitRequest& request, DecomposeSettings settings) {
+  settings.maxConcavity *= 0.99;
+  settings.rigid = !request.subject.character && request.keyframes.count == 1;
   return settings;
 }
 
@@ -44,7 +45,7 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
   const Stage whole(host);
   std::optional<Stage> stage(std::in_place, host, 0.0, request.coverPoses != nullptr ? kPartsOfCover : 1.0);
   LORICA_TRY(TimedDecomposition made,
-             decomposeWithProgress(subject.name, subject.mesh, posesOf(request), withMargin(settings), host));
+             decomposeWithProgress(subject.name, subject.mesh, posesOf(request), withMargin(request, settings), host));
   stage.reset();
   return fitOf(request, std::move(made), host);
 }

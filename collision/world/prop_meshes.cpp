@@ -51,6 +51,7 @@ Result<TriMesh> inMetres(const TriMesh& mesh, const PropMeshRequest& request) {
 Result<Decomposition> decomposePropMesh(const std::string& name, const TriMesh& mesh, int parts) {
   DecomposeSettings settings;
   settings.maxParts = parts;
+  settings.rigid = true;
   return prefixed(name, decompose(mesh, {mesh.vertices, countOf(mesh.vertices)}, settings));
 }
 

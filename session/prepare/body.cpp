@@ -188,7 +188,9 @@ Result<CachedDecomposition> meshDecomposition(const std::string& name, const Tri
   Keyframes keyframes;
   keyframes.positions = mesh.vertices;
   keyframes.count = 1;
-  return decomposeCached(name, mesh, nullptr, nullptr, keyframes, settings, cache);
+  DecomposeSettings chosen = settings;
+  chosen.rigid = true;
+  return decomposeCached(name, mesh, nullptr, nullptr, keyframes, chosen, cache);
 }
 
 Result<HullCover> cachedCover(const Character& character, const DecompositionFile& content, const CoverPoses& poses,

@@ -7,6 +7,7 @@
 #include "geometry/convex_hull.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
+#include "geometry/random_numbers.h"
 #include "geometry/small_faults.h"
 #include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
@@ -20,6 +21,8 @@
 #include <memory>
 #include <numbers>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -218,6 +221,84 @@ std::vector<Vec3> bent(const TriMesh& bar, double angle) {
 TriMesh makeBar() {
   return test::moved(test::makeSphere(0.5, 16, 16),
                      [](const Vec3& v) { return Vec3(v.y() + (v.y() > 0 ? 1.5 : -1.5), v.z(), v.x()); });
+}
+
+/// The mesh with its vertices and triangles in another order.
+TriMesh reordered(const TriMesh& mesh, RandomNumbers& random) {
+  const auto shuffled = [&](std::size_t count) {
+    std::vector<std::pair<double, int>> order;
+    for (std::size_t i = 0; i < count; ++i) order.emplace_back(random.unit(), static_cast<int>(i));
+    std::sort(order.begin(), order.end());
+    return order;
+  };
+  TriMesh result;
+  std::vector<VertexIndex> numberOf(mesh.vertices.size());
+  for (const auto& [key, v] : shuffled(mesh.vertices.size())) {
+    numberOf[v] = static_cast<VertexIndex>(result.vertices.size());
+    result.vertices.push_back(mesh.vertices[v]);
+  }
+  for (const auto& [key, t] : shuffled(mesh.triangles.size())) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    result.triangles.push_back({numberOf[b], numberOf[c], numberOf[a]});
+  }
+  return result;
+}
+
+TEST(Decompose, OfARigidMeshItsSurfaceAloneDecides) {
+  RandomNumbers random(16);
+  DecomposeSettings settings;
+  settings.maxParts = 6;
+  settings.rigid = true;
+  const TriMesh table = test::makeVoxelSurface({{0, 0, 0},
+                                                {4, 0, 0},
+                                                {0, 0, 3},
+                                                {4, 0, 3},
+                                                {0, 1, 0},
+                                                {1, 1, 0},
+                                                {2, 1, 0},
+                                                {3, 1, 0},
+                                                {4, 1, 0},
+                                                {0, 1, 1},
+                                                {4, 1, 1},
+                                                {0, 1, 2},
+                                                {4, 1, 2},
+                                                {0, 1, 3},
+                                                {1, 1, 3},
+                                                {2, 1, 3},
+                                                {3, 1, 3},
+                                                {4, 1, 3}});
+  for (const TriMesh& mesh : {table, test::makeTorus(1.0, 0.3, 24, 12), test::makeLShape()}) {
+    const auto volumesOf = [&](const TriMesh& given) {
+      const Decomposition parts =
+          test::valueOf(decompose(given, {given.vertices, static_cast<int>(given.vertices.size())}, settings));
+      const std::vector<Vec3> points = test::transferred(parts, given.vertices);
+      std::vector<double> volumes;
+      double sum = 0.0;
+      for (const Part& part : parts.parts) {
+        volumes.push_back(partHull(part, points).volume);
+        sum += signedVolume(points, part.triangles);
+        EXPECT_TRUE(test::isClosed(part.triangles));
+        EXPECT_EQ(part.points, pointsUsedBy(part.triangles));
+        for (const std::int32_t source : part.sourceTriangle) {
+          EXPECT_LT(source, static_cast<std::int32_t>(given.triangles.size()));
+        }
+      }
+      EXPECT_NEAR(sum, signedVolume(given.vertices, given.triangles), 1e-9);
+      std::sort(volumes.begin(), volumes.end());
+      return volumes;
+    };
+    const std::vector<double> volumes = volumesOf(mesh);
+    EXPECT_GT(volumes.size(), 1u);
+    for (int times = 0; times < 3; ++times) {
+      const std::vector<double> other = volumesOf(reordered(test::divided(mesh, times), random));
+      ASSERT_EQ(other.size(), volumes.size());
+      for (std::size_t i = 0; i < volumes.size(); ++i) EXPECT_NEAR(other[i], volumes[i], 1e-9);
+    }
+  }
+  settings.maxParts = 2;
+  const std::vector<Vec3> twice(2 * table.vertices.size(), Vec3::Zero());
+  EXPECT_EQ(decompose(table, {twice, static_cast<int>(table.vertices.size())}, settings).error().code,
+            ErrorCode::kInvalidArgument);
 }
 
 TEST(DecomposeAnimated, TheBendIsCutAlthoughTheFirstKeyframeIsStraight) {

@@ -1,8 +1,10 @@
 #include "tests/support/meshes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 namespace lorica::test {
 
@@ -133,6 +135,25 @@ TriMesh insideOut(TriMesh mesh) {
 
 TriMesh shifted(TriMesh mesh, const Vec3& by) {
   for (Vec3& v : mesh.vertices) v += by;
+  return mesh;
+}
+
+TriMesh divided(TriMesh mesh, int times) {
+  for (; times > 0; --times) {
+    std::map<std::pair<VertexIndex, VertexIndex>, VertexIndex> middles;
+    const auto middle = [&](VertexIndex a, VertexIndex b) {
+      const auto [entry, isNew] =
+          middles.try_emplace(std::minmax(a, b), static_cast<VertexIndex>(mesh.vertices.size()));
+      if (isNew) mesh.vertices.emplace_back(0.5 * (mesh.vertices[a] + mesh.vertices[b]));
+      return entry->second;
+    };
+    std::vector<Triangle> quarters;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const VertexIndex ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+      quarters.insert(quarters.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    mesh.triangles = std::move(quarters);
+  }
   return mesh;
 }
 

@@ -41,6 +41,9 @@ template <class Map>
   return mesh;
 }
 
+/// The same surface with each triangle divided in four at the middles of its edges, so many times.
+[[nodiscard]] TriMesh divided(TriMesh mesh, int times = 1);
+
 /// Both meshes as one, vertices of b after those of a.
 [[nodiscard]] TriMesh joined(const TriMesh& a, const TriMesh& b);
 

@@ -6,6 +6,7 @@
 #include "geometry/random_numbers.h"
 #include "session/prepare/subject.h"
 #include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 
 #include <fmt/format.h>
@@ -46,6 +47,30 @@ TEST(HullFit, AMeshTurnedAnyWayGetsHullsThatHoldIt) {
       const Result<void> held = checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject));
       EXPECT_TRUE(held.ok()) << held.error().message;
     }
+  }
+}
+
+/// Triangles are how a surface is written down: divided in four, it gets about the same parts.
+TEST(HullFit, TheSameSurfaceWithOtherTrianglesGetsAboutTheSameParts) {
+  LORICA_REQUIRE_DATASET(readme, "solids/README.md");
+  const std::filesystem::path data = readme.parent_path().parent_path();
+  Host host;
+  const auto partsOf = [&](TriMesh mesh) {
+    for (Vec3& p : mesh.vertices) p = p.cast<float>().cast<double>();  // as files have them
+    const Subject subject = valueOf(meshSubject("mesh", std::move(mesh), {}, host));
+    const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
+    FitRequest request{subject, keyframes, nullptr, {}, true, {.maxParts = 128}};
+    request.settings.maxConcavity = 0.05 * concavityUnitOf(subject);
+    const Fit fit = valueOf(fitHulls(request, host));
+    EXPECT_TRUE(checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject)).ok());
+    return static_cast<double>(fit.made.decomposition.parts.size());
+  };
+  for (const char* name : {"solids/plastic_glass.obj", "solids/coffeemug.obj", "solids/mpl_palm.obj",
+                           "solids/pr2_l_finger.obj", "vhacd/Table.off", "vhacd/Torus.off", "coacd/SnowFlake.obj"}) {
+    SCOPED_TRACE(name);
+    const TriMesh mesh = valueOf(readMesh(data / name));
+    const double parts = partsOf(mesh);
+    EXPECT_NEAR(partsOf(divided(mesh)), parts, 0.1 * parts);
   }
 }
 
