@@ -82,17 +82,17 @@ struct PlainMesh {
   std::vector<std::int32_t> triangleOf;  // the same
 };
 
-PlainMesh plainMesh(std::span<const Vec3> own, std::span<const Triangle> triangles) {
+PlainMesh plainMesh(std::span<const Vec3> points, std::span<const Triangle> triangles) {
   PlainMesh plain;
-  plain.vertexOf.resize(own.size());
+  plain.vertexOf.resize(points.size());
   std::iota(plain.vertexOf.begin(), plain.vertexOf.end(), 0);
   std::stable_sort(plain.vertexOf.begin(), plain.vertexOf.end(), [&](VertexIndex a, VertexIndex b) {
-    return std::lexicographical_compare(own[a].begin(), own[a].end(), own[b].begin(), own[b].end());
+    return std::lexicographical_compare(points[a].begin(), points[a].end(), points[b].begin(), points[b].end());
   });
-  std::vector<VertexIndex> numberOf(own.size());
-  for (std::size_t v = 0; v < own.size(); ++v) {
+  std::vector<VertexIndex> numberOf(points.size());
+  for (std::size_t v = 0; v < points.size(); ++v) {
     numberOf[plain.vertexOf[v]] = v;
-    plain.mesh.vertices.push_back(own[plain.vertexOf[v]]);
+    plain.mesh.vertices.push_back(points[plain.vertexOf[v]]);
   }
   for (const Triangle& t : triangles) plain.mesh.triangles.push_back({numberOf[t[0]], numberOf[t[1]], numberOf[t[2]]});
   FlatFaces merged = mergeFlatFaces(plain.mesh);
@@ -103,6 +103,16 @@ PlainMesh plainMesh(std::span<const Vec3> own, std::span<const Triangle> triangl
     plain.triangleOf.resize(triangles.size());
     std::iota(plain.triangleOf.begin(), plain.triangleOf.end(), 0);
   }
+  return plain;
+}
+
+/// In its own frame, which is that of the plain mesh too: of a symmetric one, the order of vertices and triangles would
+/// decide where it points.
+PlainMesh plainInOwnFrame(std::span<const Vec3> points, std::span<const Triangle> triangles) {
+  const PlainMesh given = plainMesh(points, triangles);
+  PlainMesh plain = plainMesh(inOwnFrame(given.mesh, {given.mesh.vertices, countOf(points)}), given.mesh.triangles);
+  for (VertexIndex& v : plain.vertexOf) v = given.vertexOf[v];
+  for (std::int32_t& t : plain.triangleOf) t = given.triangleOf[t];
   return plain;
 }
 
@@ -153,9 +163,13 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
       return error;
     }
   }
-  const std::vector<Vec3> own = inOwnFrame(mesh, keyframes);
   std::optional<PlainMesh> plain;
-  if (settings.rigid) plain = plainMesh(own, mesh.triangles);
+  std::vector<Vec3> own;
+  if (settings.rigid) {
+    plain = plainInOwnFrame(keyframes.positions, mesh.triangles);
+  } else {
+    own = inOwnFrame(mesh, keyframes);
+  }
   Result<Decomposition> result = withThreads(settings.threads, [&] {
     return plain ? cutAndMerge(plain->mesh, {plain->mesh.vertices, keyframes.vertexCount}, settings)
                  : cutAndMerge(mesh, {own, keyframes.vertexCount}, settings);
