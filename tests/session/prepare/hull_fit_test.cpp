@@ -50,13 +50,13 @@ TEST(HullFit, AMeshTurnedAnyWayGetsHullsThatHoldIt) {
   }
 }
 
-/// Triangles are how a surface is written down: divided in four, it gets about the same parts.
-TEST(HullFit, TheSameSurfaceWithOtherTrianglesGetsAboutTheSameParts) {
+/// Triangles are how a surface is written down: divided in four, it gets the same parts; an open one, whose walls are
+/// made first, about as many.
+TEST(HullFit, TheSameSurfaceWithOtherTrianglesGetsTheSameParts) {
   LORICA_REQUIRE_DATASET(readme, "solids/README.md");
   const std::filesystem::path data = readme.parent_path().parent_path();
   Host host;
   const auto partsOf = [&](TriMesh mesh) {
-    for (Vec3& p : mesh.vertices) p = p.cast<float>().cast<double>();  // as files have them
     const Subject subject = valueOf(meshSubject("mesh", std::move(mesh), {}, host));
     const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
     FitRequest request{subject, keyframes, nullptr, {}, true, {.maxParts = 128}};
@@ -65,13 +65,15 @@ TEST(HullFit, TheSameSurfaceWithOtherTrianglesGetsAboutTheSameParts) {
     EXPECT_TRUE(checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject)).ok());
     return static_cast<double>(fit.made.decomposition.parts.size());
   };
-  for (const char* name : {"solids/plastic_glass.obj", "solids/coffeemug.obj", "solids/mpl_palm.obj",
-                           "solids/pr2_l_finger.obj", "vhacd/Table.off", "vhacd/Torus.off", "coacd/SnowFlake.obj"}) {
+  for (const char* name : {"solids/plastic_glass.obj", "solids/coffeemug.obj", "solids/mpl_palm.obj", "vhacd/Table.off",
+                           "vhacd/Torus.off", "coacd/SnowFlake.obj"}) {
     SCOPED_TRACE(name);
     const TriMesh mesh = valueOf(readMesh(data / name));
-    const double parts = partsOf(mesh);
-    EXPECT_NEAR(partsOf(divided(mesh)), parts, 0.1 * parts);
+    EXPECT_EQ(partsOf(divided(mesh)), partsOf(mesh));
   }
+  const TriMesh bowl = valueOf(readMesh(data / "solids/bowl.obj"));
+  const double parts = partsOf(bowl);
+  EXPECT_NEAR(partsOf(divided(bowl)), parts, 0.1 * parts);
 }
 
 /// Of open meshes, too, whose bodies are built with voxels: what is thinner than those has parts of its own, not hulls
