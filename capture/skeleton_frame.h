@@ -37,6 +37,7 @@ inline constexpr int kBodyJointCount = 15;  ///< joints that BodyJoint names
 inline constexpr std::array<BodyJoint, 6> kLeftJoints = {BodyJoint::kLeftShoulder, BodyJoint::kLeftElbow,
                                                          BodyJoint::kLeftHand,     BodyJoint::kLeftHip,
                                                          BodyJoint::kLeftKnee,     BodyJoint::kLeftFoot};
+/// The joint on the right that one on the left has as its partner.
 [[nodiscard]] constexpr BodyJoint rightOf(BodyJoint left) {
   return static_cast<BodyJoint>(ordinalOf(left) + 1);
 }
