@@ -89,8 +89,8 @@ std::uint64_t cacheKey(const TriMesh& mesh, const Keyframes& keyframes, const De
   static_assert(sizeof(Vec3) == 3 * sizeof(double), "positions are hashed as bytes");
   const std::string_view positions(reinterpret_cast<const char*>(keyframes.positions.data()),
                                    keyframes.positions.size() * sizeof(Vec3));
-  std::string rest = fmt::format("{} {} {} {} {}", kAlgorithmVersion, topologyHash(mesh), keyframes.count,
-                                 settings.maxParts, static_cast<int>(settings.preset));
+  std::string rest = fmt::format("{} {} {} {} {} {}", kAlgorithmVersion, topologyHash(mesh), keyframes.count,
+                                 settings.maxParts, static_cast<int>(settings.preset), settings.rigid);
   if (settings.maxConcavity > 0.0) rest += fmt::format(" {}", settings.maxConcavity);
   return contentHash(rest, contentHash(positions));
 }
