@@ -10,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <string_view>
 #include <utility>
 
 namespace lorica::test {
@@ -17,6 +18,8 @@ namespace {
 
 /// Of one run, before it is given up: under sanitizers a body takes more than a minute to make. ctest's limit is above.
 constexpr unsigned kMaxSeconds = 200;
+
+constexpr std::string_view kGivenUp = "given up: the window did not do what was waited for\n";
 
 /// So many equal pictures in a row take longer than a frame of a session.
 constexpr int kAtRest = 5;
@@ -100,7 +103,10 @@ void Hands::pictureAtRest(const std::string& key) {
 }
 
 void Hands::work() const {
-  std::signal(SIGALRM, [](int) { closeWindow(); });
+  std::signal(SIGALRM, [](int) {
+    (void)!write(STDERR_FILENO, kGivenUp.data(), kGivenUp.size());
+    closeWindow();
+  });
   alarm(kMaxSeconds);
   run("xdotool search --sync --onlyvisible --name '" + window_ + "' > window");
   setenv("w", std::to_string(std::atol(readFile("window").value().c_str())).c_str(), 1);
@@ -125,6 +131,7 @@ CommandResult Hands::runWith(const std::vector<std::string>& arguments) {
       log);
   const CommandResult result = runLorica(arguments, surroundings);
   said_ = readFile(log).value();
+  EXPECT_EQ(said_.find(kGivenUp), std::string::npos) << said_;
   return result;
 }
 

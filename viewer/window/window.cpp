@@ -340,7 +340,8 @@ void Window::show(const Scene& scene, const WindowValues& values) {
 
 /// Those of the run, with what this window knows.
 void Window::Impl::listControls(const Scene& scene, const WindowValues& values) {
-  if (values.controls != nullptr) {
+  runs = values.controls != nullptr;
+  if (runs) {
     controls = *values.controls;
   } else {
     listChoices(choices, controls);

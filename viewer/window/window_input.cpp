@@ -129,7 +129,7 @@ void Window::Impl::onKey(int key, int mods, bool repeats) {
   if (key == GLFW_KEY_F5) lookFrom(0.0, 0.5 * std::numbers::pi);
   if (key != GLFW_KEY_ESCAPE || panels->closeList() || dialog.isOpen()) return;
   if (choices.help) return asked.ask({.id = ControlId::kHelp});
-  const bool live = controls[ControlId::kSeek].absent;
+  const bool live = runs && controls[ControlId::kSeek].absent;
   if (live && now() > std::exchange(endAsked, now()) + kNoticeSeconds) {
     return setNotice("Escape once more ends the session", kNoticeSeconds);
   }
