@@ -437,7 +437,7 @@ std::string flattenedBall(const test::TemporaryFolder& folder) {
 TEST(PeerServe, EachSceneLooksAsInASnapshot) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
-  Result<SnapshotCamera> opened = SnapshotCamera::create(960, 540);
+  Result<SnapshotCamera> opened = SnapshotCamera::create(640, 360);
   if (!opened) GTEST_SKIP() << "cannot draw off screen: " << opened.error().message;
   SnapshotCamera pictures = std::move(*opened);
   const test::TemporaryFolder home;  // no choices that somebody has kept

@@ -28,7 +28,7 @@ TEST(HullFit, AMeshTurnedAnyWayGetsHullsThatHoldIt) {
                            "solids/coffeemug.obj", "vhacd/Block.off", "vhacd/Sword.off", "vhacd/Torus.off",
                            "vhacd/Fish.off", "strangers/chair_boxes.obj", "coacd/SnowFlake.obj"}) {
     const TriMesh mesh = valueOf(readMesh(data / name));
-    for (int turn = 0; turn < 4; ++turn) {
+    for (int turn = 0; turn < 3; ++turn) {
       SCOPED_TRACE(fmt::format("{}, turn {}", name, turn));
       const Quat rotation = turn == 0 ? Quat::Identity() : Quat(number(), number(), number(), number()).normalized();
       std::string text;

@@ -44,7 +44,8 @@ const browser = await puppeteer.launch({
   protocolTimeout: 600000,
 });
 
-async function open(size, { before, layers = { hulls: false }, query = '' } = {}) {
+/// @param quality  high where pictures are looked at: each is drawn without a GPU
+async function open(size, { before, layers = { hulls: false }, query = '', quality = 'low' } = {}) {
   const context = await browser.createBrowserContext(),
     page = await context.newPage();
   page.on('pageerror', (error) => result.errors.push(error.message));
@@ -58,7 +59,7 @@ async function open(size, { before, layers = { hulls: false }, query = '' } = {}
   });
   await page.setViewport(size);
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }]);
-  const choices = JSON.stringify({ quality: 'high', layers });
+  const choices = JSON.stringify({ quality, layers });
   await page.evaluateOnNewDocument((kept) => {
     try {
       localStorage.setItem('lorica', kept);
@@ -268,7 +269,7 @@ async function framed(page) {
 
 const parts = {
   async desktop() {
-    const page = await open(kDesktop);
+    const page = await open(kDesktop, { quality: 'high' });
     result.framed = await framed(page);
     await shot(page, 'desktop_light');
     const { frames, avatars, props, run, problems, quality, state } = await see(page);
@@ -301,7 +302,7 @@ const parts = {
 
   /// Pictures of all scenes of a server that goes on to the next one when it is asked to restart.
   async scenes() {
-    const page = await open({ width: 960, height: 540 }, { layers: { hulls: true, depth: false } });
+    const page = await open({ width: 640, height: 360 }, { layers: { hulls: true, depth: false }, quality: 'high' });
     result.scenes = [];
     for (let run = 0; ; ) {
       const index = result.scenes.length;
@@ -337,7 +338,7 @@ const parts = {
 
   /// Pictures of the character alone: without an expression, then with each that E chooses.
   async expressions() {
-    const page = await open({ width: 480, height: 540 }, { layers: { hulls: false, depth: false } });
+    const page = await open({ width: 480, height: 540 }, { layers: { hulls: false, depth: false }, quality: 'high' });
     await until(page, () => loricaPage.controls.expression?.choices.length > 0);
     const expressions = (await see(page)).controls.expression.choices;
     result.expressions = ['none', ...expressions];
@@ -471,7 +472,7 @@ const parts = {
 
   /// As OBS has it: the picture alone, with an alpha channel, in an empty scene.
   async source() {
-    const page = await open(kDesktop, { query: '?scene=none&background=transparent' });
+    const page = await open(kDesktop, { query: '?scene=none&background=transparent', quality: 'high' });
     await until(page, () => loricaPage.controls.scene?.choices[loricaPage.controls.scene.value] === 'none');
     await until(page, () => loricaPage.props.length === 0);
     const seen = await framed(page);
