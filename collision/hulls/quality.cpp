@@ -39,8 +39,10 @@ Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls&
 std::string doubtAboutHulls(double error) {
   constexpr double kDoubtful = 0.5;
   if (!(error > kDoubtful)) return "";
-  return fmt::format("the hulls have {} more volume than the mesh, expected at most {}: more parts follow it closer",
-                     percent(error), percent(kDoubtful));
+  return fmt::format(
+      "the hulls have {} more volume than the mesh, expected at most {}: more parts, or a limit on it, follow it "
+      "closer",
+      percent(error), percent(kDoubtful));
 }
 
 namespace {

@@ -64,6 +64,22 @@ TEST(Decompose, AnErrorAboveAHalfIsAWarning) {
   }
 }
 
+/// What is small beside the length of a profile is much beside its volume: --max-error is what keeps its inside free.
+TEST(Decompose, TheErrorIsLimitedBesideTheConcavity) {
+  const TemporaryFolder folder;
+  const TriMesh profile = moved(makeLShape(), [](const Vec3& p) {
+    return Vec3(p.x() == 1.0 ? 0.1 : p.x(), p.y() == 1.0 ? 0.1 : p.y(), 60.0 * p.z());
+  });
+  const std::string mesh = writeObj(folder, "profile.obj", profile);
+  const nlohmann::json full = jsonOf({"decompose", mesh, "--max-concavity", "5%"});
+  EXPECT_EQ(full["parts"], 1);
+  EXPECT_NEAR(full["error"].get<double>(), 4.628, 0.001);
+  const nlohmann::json hollow = jsonOf({"decompose", mesh, "--max-concavity", "5%", "--max-error", "50%"});
+  EXPECT_EQ(hollow["parts"], 2);
+  EXPECT_LT(hollow["error"].get<double>(), 0.5);
+  EXPECT_LE(hollow["concavity"].get<double>(), 0.05);
+}
+
 TEST(Decompose, JsonHasItsKeysAndTypes) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());

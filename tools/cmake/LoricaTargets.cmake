@@ -96,16 +96,21 @@ function(lorica_batches target)
   endwhile()
 endfunction()
 
-# Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
+# Fused multiply-add is off everywhere: results must not depend on the compiler's taste. On arm64 Eigen's vectors fuse them,
+# whatever the compiler is told.
+set(LORICA_EXACT -ffp-contract=off)
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+  list(APPEND LORICA_EXACT -U__ARM_FEATURE_FMA)
+endif()
 function(lorica_flags target)
   if(LORICA_USES_CCACHE)
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # so that ccache sees them
   endif()
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor ${LORICA_EXACT}
                                            $<$<BOOL:${LORICA_WERROR}>:-Werror>)
   if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
-    # Or Eigen's vectors fuse them, whatever the compiler is told. g++ 12 crashes on arm_sve.h; NEON is what every arm64 has.
-    target_compile_options(${target} PRIVATE -U__ARM_FEATURE_FMA -Wno-psabi)
+    # g++ 12 crashes on arm_sve.h; NEON is what every arm64 has.
+    target_compile_options(${target} PRIVATE -Wno-psabi)
     target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
   endif()
   # With precompiled headers g++ 12 does not see that code is the standard library's and reports false alarms there.

@@ -10,8 +10,15 @@ if(EXISTS /usr/lib/llvm-16/bin/clang)
   endforeach()
   list(APPEND run EM_LLVM_ROOT=${CMAKE_BINARY_DIR}/llvm)
 endif()
-set(CMAKE_CXX_COMPILER_LAUNCHER ${run})
 set(CMAKE_CXX_LINKER_LAUNCHER ${run})
+# As in LoricaTargets.cmake; em++ is a script, so what it calls is named.
+find_program(LORICA_CCACHE ccache)
+if(LORICA_CCACHE AND NOT DEFINED ENV{LORICA_NO_CCACHE})
+  get_filename_component(root ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
+  list(APPEND run CCACHE_BASEDIR=${root} CCACHE_NOHASHDIR=true CCACHE_COMPILERCHECK=content CCACHE_COMPILERTYPE=clang
+       CCACHE_EXTRAFILES=/usr/share/emscripten/emscripten-version.txt:/usr/lib/llvm-16/bin/clang ${LORICA_CCACHE})
+endif()
+set(CMAKE_CXX_COMPILER_LAUNCHER ${run})
 # Eigen's vectors are SSE2's, which emscripten has on those of WebAssembly, so that its sums have the order that they have
 # elsewhere; its small functions would stay calls. It would choose assembly for x86 by the version of the compiler. Highway's
 # are those of WebAssembly, with what web/hwy/highway.h adds.

@@ -22,6 +22,7 @@ const { default: puppeteer } = await import(pathToFileURL(require.resolve('puppe
 fs.mkdirSync(folder, { recursive: true });
 
 const kDesktop = { width: 1280, height: 720 },
+  kSmall = { width: 640, height: 360 },
   kPhone = { width: 390, height: 844, hasTouch: true, isMobile: true };
 const kWait = { timeout: 500000, polling: 50 };
 const result = { errors: [], outside: [] };
@@ -302,7 +303,7 @@ const parts = {
 
   /// Pictures of all scenes of a server that goes on to the next one when it is asked to restart.
   async scenes() {
-    const page = await open({ width: 640, height: 360 }, { layers: { hulls: true, depth: false }, quality: 'high' });
+    const page = await open(kSmall, { layers: { hulls: true, depth: false }, quality: 'high' });
     result.scenes = [];
     for (let run = 0; ; ) {
       const index = result.scenes.length;
@@ -438,12 +439,26 @@ const parts = {
       await until(page, (at, part) => document.querySelector(at)?.textContent.includes(part), where, words);
       return page.$eval(where, (element) => element.textContent);
     };
-    const token = await bare(url.replace(/#.*/, `#${'x'.repeat(22)}`));
-    const webgl = await bare(url, 'HTMLCanvasElement.prototype.getContext = () => null;');
-    const webxr = await bare(url, "Object.defineProperty(navigator, 'xr', { value: undefined });");
+    // One page after the other: each draws all that its machine can.
+    const read = async (page, ...what) => {
+      const text = await said(page, ...what);
+      await page.close();
+      return text;
+    };
+    const wrong = {
+      token: await read(await bare(url.replace(/#.*/, `#${'x'.repeat(22)}`)), '#connection', 'valid'),
+      webgl: await read(await bare(url, 'HTMLCanvasElement.prototype.getContext = () => null;'), '.lone', 'WebGL'),
+      webxr: await read(
+        await bare(url, "Object.defineProperty(navigator, 'xr', { value: undefined });"),
+        '#panel',
+        'no VR or AR',
+      ),
+    };
     // An address without https:// leads to the one with it; a page that still comes by http, through another server, says it.
     const without = await bare(url.replace('https:', 'http:'));
     await until(without, () => window.loricaPage?.open);
+    wrong.without = without.url() === url;
+    await without.close();
     const between = http.createServer((request, response) => {
       const to = new URL(request.url, url);
       https.get(to, { rejectUnauthorized: false }, (answer) => {
@@ -453,17 +468,11 @@ const parts = {
     });
     await new Promise((resolve) => between.listen(0, '127.0.0.1', resolve));
     const plain = await bare(`http://plain.test:${between.address().port}/`);
-    const page = await open(kDesktop);
-    result.wrong = {
-      http: await said(plain, '#panel', 'https'),
-      secure: await plain.evaluate(() => window.isSecureContext),
-      without: without.url() === url,
-      token: await said(token, '#connection', 'valid'),
-      webgl: await said(webgl, '.lone', 'WebGL'),
-      webxr: await said(webxr, '#panel', 'no VR or AR'),
-    };
-    for (const other of [token, webgl, webxr, plain, without]) await other.close();
+    wrong.secure = await plain.evaluate(() => window.isSecureContext);
+    wrong.http = await read(plain, '#panel', 'https');
     between.close();
+    const page = await open(kSmall);
+    result.wrong = wrong;
     await page.keyboard.press('Home');
     result.wrong.over = await said(page, '#connection', 'over');
     result.errors = result.errors.filter((text) => !text.includes('WebSocket')); // it tries again
@@ -726,7 +735,7 @@ async function openWithHeadset() {
     path.join(path.dirname(require.resolve('iwer/package.json')), 'build', 'iwer.min.js'),
     'utf8',
   );
-  const page = await open(kDesktop, {
+  const page = await open(kSmall, {
     before: `${iwer};window.sent = [];
     const { send } = WebSocket.prototype;
     WebSocket.prototype.send = function (text) { window.sent.push(text); send.call(this, text); };
