@@ -1,9 +1,10 @@
 #include "tests/apps/run_command.h"
 
+#include "tests/support/shared_by_tests.h"
+
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
@@ -22,17 +23,6 @@ std::string contentOf(const std::filesystem::path& file) {
   std::ostringstream content;
   content << stream.rdbuf();
   return content.str();
-}
-
-/// What one test computed serves the others, whatever order they run in: results are the same bits on every run.
-/// Another build of the command begins with an empty cache.
-std::filesystem::path sharedCache() {
-  struct stat program {};
-  stat(built("lorica").c_str(), &program);
-  const std::filesystem::path folder =
-      built("tests") / "cache" / std::to_string(program.st_mtim.tv_sec * 1'000'000'000 + program.st_mtim.tv_nsec);
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 /// Runs between fork and exec: only async-signal-safe calls, and setenv, because the parent has one thread.
@@ -99,7 +89,8 @@ CommandResult runLorica(const std::vector<std::string>& arguments, const Command
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
 
-  const std::filesystem::path cache = surroundings.cache.empty() ? sharedCache() : surroundings.cache;
+  // What one test computed serves the others, whatever order they run in: results are the same bits on every run.
+  const std::filesystem::path cache = surroundings.cache.empty() ? sharedByTests("cache") : surroundings.cache;
   const pid_t child = fork();
   if (child == 0) becomeLorica(pointers.data(), surroundings, cache.c_str(), out.c_str(), err.c_str());
   if (surroundings.interruptWhen) interrupt(child, surroundings, err);
@@ -121,7 +112,7 @@ nlohmann::json jsonOf(std::vector<std::string> arguments, const CommandSurroundi
 
 std::filesystem::path mannequinBody(const TemporaryFolder& folder, int parts) {
   std::filesystem::path body = folder.path() / "body.lorica";
-  const std::filesystem::path shared = sharedCache() / ("mannequin_" + std::to_string(parts) + ".lorica");
+  const std::filesystem::path shared = sharedByTests("cache") / ("mannequin_" + std::to_string(parts) + ".lorica");
   if (!exists(shared)) {
     // Renamed when it is whole: another test may make it at the same time.
     const CommandResult made =

@@ -6,7 +6,7 @@
 #include "geometry/files.h"
 #include "session/recording/session_file.h"
 #include "tests/apps/faults/faulty_run.h"
-#include "tests/support/datasets.h"
+#include "tests/support/shared_by_tests.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -136,9 +136,11 @@ bool isWhole(const fs::path& file) {
 
 class FaultTable : public testing::Test {
  protected:
-  /// Inputs that all cells share.
+  /// Inputs that all cells share, made by the first test: they run one after the other, each in a process of its own.
   static void SetUpTestSuite() {
     inputs = std::make_unique<TemporaryFolder>();
+    const fs::path kept = sharedByTests("faults") / "inputs";
+    if (fs::exists(kept)) return fs::copy(kept, inputs->path(), fs::copy_options::recursive);
     inputs->write("box.off", kBox);
     inputs->write("box.obj", kBoxParts);
     const auto make = [](std::vector<std::string> arguments) {
@@ -148,6 +150,10 @@ class FaultTable : public testing::Test {
     make({"decompose", "mannequin", "--parts", "3", "--keyframes", "2", "-o", "b.lorica"});
     make({"record", "s.lsession", "walk", "--frames", "300", "--decomposition", "b.lorica"});
     make({"demo", "--headless", "--seconds", "0.01", "--out", "warm"});
+    const fs::path copied = kept.parent_path() / "copied";
+    fs::remove_all(copied);
+    fs::copy(inputs->path(), copied, fs::copy_options::recursive);
+    fs::rename(copied, kept);
   }
   static void TearDownTestSuite() { inputs.reset(); }
 
