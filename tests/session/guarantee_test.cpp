@@ -342,8 +342,8 @@ Decomposition sixteenParts(const TriMesh& mesh, std::span<const Vec3> keyframes)
 }
 
 TEST(UnseenMotion, TwelveKeyframesFollowAMotionThatTheyNeverSawBetterThanTheFirstFrameAlone) {
-  // Each motion in turn (of some, without long tests) is held out. The other five train two decompositions with default settings: one with twelve
-  // frames at even intervals, one with only the first of these frames.
+  // Each motion in turn (of some, without long tests) is held out. The other five train two decompositions with default
+  // settings: one with twelve frames at even intervals, one with only the first of these frames.
   const Character character = makeMannequin();
   std::vector<SkeletalMotion> motions;
   for (const std::string_view name : kShippedMotions) {
