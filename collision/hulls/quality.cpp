@@ -40,8 +40,7 @@ std::string doubtAboutHulls(double error) {
   constexpr double kDoubtful = 0.5;
   if (!(error > kDoubtful)) return "";
   return fmt::format(
-      "the hulls have {} more volume than the mesh, expected at most {}: more parts, or a limit on it, follow it "
-      "closer",
+      "the hulls have {} more volume than the mesh, expected at most {}: set a limit on the error or allow more parts",
       percent(error), percent(kDoubtful));
 }
 

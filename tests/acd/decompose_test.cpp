@@ -164,7 +164,7 @@ TEST(Decompose, PrefixOfTheCutsIsTheSmallerDecomposition) {
   }
 }
 
-/// The ends of a gear are level but for rounding: the hulls of one of twenty times as many took minutes.
+/// The ends of a gear are level but for rounding: with twenty times as many its hulls took minutes.
 TEST(Decompose, AGearOfVeryManyTeethIsOnePart) {
   constexpr int kTeeth = 1'000;
   TriMesh gear;

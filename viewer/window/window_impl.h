@@ -94,7 +94,7 @@ struct Window::Impl {
   Asked asked;
   Choices& choices = asked.choices;
   Controls controls;      ///< as shown last
-  bool runs = false;      ///< a session; the first still loads else
+  bool runs = false;      ///< whether there is a session; not while the first one loads
   std::string automatic;  ///< what it calls the automatic quality
   double facing = 0.0;    ///< WindowValues::facing as shown last
   static constexpr int kPanelPictures = 4;
