@@ -319,6 +319,28 @@ TEST(HullDistance, TorusWithAxisCrossingItsHole) {
   EXPECT_LE(found, 1.01 * truth + 2e-3);
 }
 
+TEST(HullDistance, WashersOfManySidesInClosedForm) {
+  // Farthest away is the middle of the hole, as far as the middles of its sides. Its ends are flat but for rounding.
+  const auto turned = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (const int sides : {8, 50, 400}) {
+    SCOPED_TRACE(sides);
+    TriMesh washer;
+    for (int i = 0; i < sides; ++i) {
+      const double angle = 2.0 * M_PI * i / sides, x = std::cos(angle), y = std::sin(angle);
+      washer.vertices.insert(washer.vertices.end(),
+                             {{x, y, 0.0}, {x, y, 0.2}, {0.1 + 0.6 * x, 0.6 * y, 0.2}, {0.1 + 0.6 * x, 0.6 * y, 0.0}});
+      for (int k = 0; k < 4; ++k) {
+        const VertexIndex a = 4 * i + k, b = 4 * i + (k + 1) % 4, c = (a + 4) % (4 * sides), d = (b + 4) % (4 * sides);
+        washer.triangles.insert(washer.triangles.end(), {{a, c, d}, {a, d, b}});
+      }
+    }
+    ASSERT_TRUE(checkClosedTwoManifold(washer).ok());
+    const TriMesh moved = test::moved(washer, [&](const Vec3& p) { return Vec3(turned * p); });
+    expectWithin(distanceOf(moved), 0.6 * std::cos(M_PI / sides));
+    EXPECT_LE(distanceOf(moved, 0.7), 0.7);
+  }
+}
+
 TEST(HullDistance, LShapeAndTwoBoxesInClosedForm) {
   // The middle line of the hull's slanted face x + y = 3 is farthest away. From (1.5, 1.5, z) the nearest points are on
   // the two faces that meet at the concave edge, half a unit away.
