@@ -54,8 +54,9 @@ SurfaceMatch BodyFitter::match(const BodyView& view, const BodyView::Point& poin
   SurfaceMatch best;
   const int count = fittedCapsules(view);
   if (first < count) matchCapsule(body_, first, point.position, point.normal, point.ray, best);
+  const CapsuleBalls::Column beyond = body_.balls.beyond(point.position, best.bound);
   for (int i = 0; i < count; ++i) {
-    if (i != first) matchCapsule(body_, i, point.position, point.normal, point.ray, best);
+    if (i != first && beyond[i] <= 0.0F) matchCapsule(body_, i, point.position, point.normal, point.ray, best);
   }
   return best;
 }

@@ -230,6 +230,9 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& 
     out.reach = 0.5F * (b - a).norm() + std::max(def.radiusA, def.radiusB) * body.girth[n] / std::min(def.flat, 1.0F);
     out.start = body.position[n] + body.rotation[n] * a;
     out.axis = body.rotation[n] * (b - a);
+    std::tie(body.balls.x[i], body.balls.y[i], body.balls.z[i]) =
+        std::tie(out.middle.x(), out.middle.y(), out.middle.z());
+    body.balls.radius[i] = out.reach;
     out.widest = std::max(def.radiusA, def.radiusB) * body.girth[n];
     a.x() *= def.flat;
     b.x() *= def.flat;

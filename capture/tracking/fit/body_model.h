@@ -122,6 +122,20 @@ struct ShapedCapsule {
   float widest;    ///< the larger radius
 };
 
+/// The bounding balls of all capsules side by side, to compare a point with all at once.
+struct CapsuleBalls {
+  static constexpr int kRows = (kCapsuleCount + 7) / 8 * 8;  ///< whole vectors; those after the last ball hold nothing
+  using Column = Eigen::Array<float, kRows, 1>;
+  Column x = Column::Zero(), y = Column::Zero(), z = Column::Zero();  ///< floor frame
+  Column radius = Column::Constant(-1e9F);
+
+  /// For each ball, a number that is positive if no point of it is this near.
+  [[nodiscard]] Column beyond(const V3& p, float than) const {
+    const Column reach = (radius + than).max(0.0F);
+    return (x - p.x()).square() + (y - p.y()).square() + (z - p.z()).square() - reach.square();
+  }
+};
+
 /// A degree of freedom as a twist: per unit, a point s of its subtree moves by turn x (s - root) + move, where root is
 /// the position of the pelvis. An origin close to the body keeps single precision accurate.
 struct Twist {
@@ -135,6 +149,7 @@ struct PosedModel {
   std::array<V3, kNodeCount> scale;  ///< of coordinates in the node
   std::array<float, kNodeCount> girth;
   std::array<ShapedCapsule, kCapsuleCount> capsule;
+  CapsuleBalls balls;
   std::array<Twist, kDofCount> twist;
 };
 void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& body);

@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kWidthSq = 0.08F * 0.08F;  ///< robust width of points [m^2]
 constexpr std::size_t kMaxNear = 160;      ///< max points considered
+constexpr float kExplained = 0.02F;        ///< a point that is nearer to another capsule than this [m]
 constexpr float kLoose = 0.05F;            ///< points this far from the rest of the body suggest a limb [m]
 constexpr float kUnlike = 0.12F;           ///< candidates differ by this much at elbow or hand [m]
 
@@ -166,14 +167,14 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
     const BodyView::Point& point = points[i];
     if ((point.position - origin).squaredNorm() > reach * reach) continue;
     SurfaceMatch m;
-    for (int c = 0; c < kCapsuleCount; ++c) {
+    // Points that the rest of the body explains well cannot suggest the limb.
+    for (int c = 0; c < kCapsuleCount && m.costSq >= kExplained * kExplained; ++c) {
       const int node = body.capsule[c].node;
       if (!isOf(limb, node) && !isOf(without, node)) {
         matchCapsule(body, c, point.position, point.normal, point.ray, m);
       }
     }
-    // Points that the rest of the body explains well cannot suggest the limb.
-    if (m.costSq < 0.02F * 0.02F) continue;
+    if (m.costSq < kExplained * kExplained) continue;
     near_.push_back({point.position, point.normal, point.ray, m.costSq, m.bound});
     if (m.costSq > kLoose * kLoose) loose_.push_back(point.position);
   }

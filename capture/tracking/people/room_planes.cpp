@@ -336,14 +336,15 @@ void WallFinder::update(const DepthGrid& grid, const Vec3f& up) {
 }
 
 void WallFinder::mark(const DepthGrid& grid, std::span<CellKind> kinds) const {
-  for (const Plane& plane : planes_) {
-    for (int r = 0; r < grid.height; ++r) {
-      for (int c = 0; c < grid.width; ++c) {
-        const std::size_t i = grid.index(c, r);
-        const std::uint16_t depthMm = grid.depthMm[i];
-        if (depthMm == 0 || kinds[i] == CellKind::kFloor) continue;
-        if (std::abs(plane.distance(grid.positionOf(c, r))) < tolerance_[depthMm]) kinds[i] = CellKind::kWall;
-      }
+  if (planes_.empty()) return;
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const std::size_t i = grid.index(c, r);
+      const std::uint16_t depthMm = grid.depthMm[i];
+      if (depthMm == 0 || kinds[i] == CellKind::kFloor) continue;
+      const Vec3f at = grid.positionOf(c, r);
+      const auto isNear = [&](const Plane& plane) { return std::abs(plane.distance(at)) < tolerance_[depthMm]; };
+      if (std::ranges::any_of(planes_, isNear)) kinds[i] = CellKind::kWall;
     }
   }
 }
