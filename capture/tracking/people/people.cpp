@@ -30,6 +30,11 @@ constexpr float kMerged = 1.3F;                    // whoever covers so much mor
 constexpr int kNever = -1024;    // logit below which a cell near the fitted body does not become the person's
 constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight through another is half behind them [m]
 constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
+constexpr int kNoLeg = -450;     // ... below which a cell is no leg's, beside what is a person's
+constexpr int kOpen = -1000;     // ... below which it is not left open either: the network wavers at first
+constexpr float kLegs = 0.6F;    // doubtful cells this high over the floor may be a leg's [m]
+constexpr int kSameCell = 40;    // a cell whose depth changes by more shows something else [mm]
+constexpr std::uint8_t kUnexplained = 15;  // frames after which a doubtful cell that no body comes near is the room's
 constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
 constexpr double kPersonSeconds = 20.0;    // how long someone with head and shoulders may stand motionless
 constexpr double kFloorNoises = 2.5;       // a floor lies within so many times the depth's noise ...
@@ -43,6 +48,14 @@ constexpr int kNewCells = 3, kOfCells = 20;          // somebody moves if more t
 constexpr int kSmallPart = 25;                       // a low thing covers less than this part of the image
 constexpr double kNearestBody = 0.3;                 // from the camera, of a body that is projected [m]
 constexpr double kLongestFrame = 1.0;                // longer pauses count as this [s]
+
+/// Whether a position is within kFar of a body.
+bool isExplained(const fit::PosedModel& body, const Vec3f& position) {
+  return std::ranges::any_of(body.capsule, [&](const fit::ShapedCapsule& capsule) {
+    return (position - capsule.middle).norm() - capsule.reach < kFar &&
+           std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
+  });
+}
 
 }  // namespace
 
@@ -60,6 +73,9 @@ PeopleFinder::PeopleFinder(const DepthCamera& depthCamera, int max)
       owners_(grid_, depthCamera),
       moves_(grid_),
       floorNoise_([](double depth) { return kFloorNoises * depthNoise(depth) / depth; }),
+      legs_(grid_.cellCount()),
+      unexplained_(grid_.cellCount()),
+      leftOpen_(kMaxSurfaces),
       strange_(kMaxSurfaces),
       kinds_(grid_.cellCount()),
       person_(owners_.person()),
@@ -68,6 +84,7 @@ PeopleFinder::PeopleFinder(const DepthCamera& depthCamera, int max)
       lastDepthMm_(grid_.cellCount()),
       labels_(static_cast<std::size_t>(depthCamera.width) * depthCamera.height) {
   people_.reserve(kPersonSlots);
+  queue_.reserve(grid_.cellCount());
   floorFromCamera_ = floor_.floorFromCamera();
 }
 
@@ -89,6 +106,8 @@ void PeopleFinder::classify() {
 }
 
 /// Surfaces in front of unknown background that are part person and part room, as the network sees them, are divided.
+/// Beside furniture it doubts legs: what goes on from a person at the same depth, low enough and not denied, is theirs
+/// once a body explains them. Before, it is left open: the background does not learn it.
 /// @return whether there are any
 bool PeopleFinder::takeFurnitureOff() {
   const std::span<const std::int16_t> logits = evidence_.logits();
@@ -96,21 +115,56 @@ bool PeopleFinder::takeFurnitureOff() {
   const std::span<const DepthComponent> all = finder_.components();
   // Whoever the network does not know well is left alone, most of all people half behind others.
   std::ranges::fill(strange_, 0);
+  std::ranges::fill(leftOpen_, 0);
   for (std::size_t i = 0; i < label.size(); ++i) {
-    if (label[i] >= 0 && lastPerson_[i] != 0) strange_[label[i]] += slots_[lastPerson_[i] - 1U].strange;
+    if (label[i] < 0) continue;
+    if (lastPerson_[i] != 0) strange_[label[i]] += slots_[lastPerson_[i] - 1U].strange;
+    if (kinds_[i] == CellKind::kUnknown) leftOpen_[label[i]] += legs_[i] == Leg::kOpen;
   }
-  bool any = false;
-  for (std::size_t i = 0; i < label.size(); ++i) {
-    if (label[i] < 0 || kinds_[i] != CellKind::kUnknown) continue;
+  const auto isDivided = [&](std::size_t i) {
+    if (label[i] < 0 || kinds_[i] != CellKind::kUnknown) return false;
     const DepthComponent& one = all[label[i]];
     const bool whole =
-        isTooNear(one, grid_) || one.affirmed > kWholeShare * one.cells ||
+        isTooNear(one, grid_) || (one.affirmed > kWholeShare * one.cells && 100 * leftOpen_[label[i]] <= one.cells) ||
         (3 * one.affirmed < one.cells && !isOversize(one) && one.area * one.affirmed < kMinVisibleArea * one.cells);
-    if (whole || 3 * strange_[label[i]] > one.cells || logits[i] >= (lastPerson_[i] != 0 ? kLeaves : kJoins)) continue;
-    kinds_[i] = CellKind::kFurniture;
-    any = true;
+    return !whole && 3 * strange_[label[i]] <= one.cells;
+  };
+  bool any = false;
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (std::abs(grid_.depthMm[i] - lastDepthMm_[i]) > kSameCell) unexplained_[i] = 0;
+    legs_[i] = Leg::kNone;
+    if (!isDivided(i)) continue;
+    if (logits[i] < (lastPerson_[i] != 0 && unexplained_[i] < kUnexplained ? kLeaves : kJoins)) {
+      kinds_[i] = CellKind::kFurniture;
+      any = true;
+    }
   }
-  return any;
+  if (!any || !floor_.found()) return any;
+  // From those whom a body explains first.
+  for (const bool explained : {true, false}) {
+    queue_.clear();
+    for (std::size_t i = 0; i < label.size(); ++i) {
+      if (kinds_[i] != CellKind::kUnknown || !isDivided(i)) continue;
+      const bool known = lastPerson_[i] != 0 && slots_[lastPerson_[i] - 1U].confirmed;
+      if (known == explained) queue_.push_back(i);
+    }
+    for (std::size_t next = 0; next < queue_.size(); ++next) {
+      const std::size_t i = queue_[next];
+      const float step = 500.0F * finder_.step(grid_.depthMm[i]);
+      grid_.visitNeighbours(i, [&](std::size_t j) {
+        if (kinds_[j] != CellKind::kFurniture || legs_[j] != Leg::kNone || label[j] != label[i]) return;
+        if (logits[j] < (explained ? kNoLeg : kOpen) || unexplained_[j] >= kUnexplained) return;
+        if (std::abs(grid_.depthMm[i] - grid_.depthMm[j]) >= step) return;
+        if (positions_(grid_, j % grid_.width, j / grid_.width).y() > kLegs) return;
+        legs_[j] = explained ? Leg::kTheirs : Leg::kOpen;
+        queue_.push_back(j);
+      });
+    }
+  }
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (legs_[i] == Leg::kTheirs) kinds_[i] = CellKind::kUnknown;
+  }
+  return true;
 }
 
 void PeopleFinder::measure() {
@@ -272,15 +326,22 @@ void PeopleFinder::explainPieces(int k, const fit::PosedModel& body) {
       }
     };
     int far = 0;
-    each([&](int c, int r) {
-      const Vec3f position = positions_(grid_, c, r);
-      const auto isNear = [&](const fit::ShapedCapsule& capsule) {
-        return (position - capsule.middle).norm() - capsule.reach < kFar &&
-               std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
-      };
-      far += std::ranges::none_of(body.capsule, isNear);
-    });
+    each([&](int c, int r) { far += !isExplained(body, positions_(grid_, c, r)); });
     if (2 * far > one.cells) each([&](int c, int r) { lastPerson_[grid_.index(c, r)] = 0; });
+  }
+}
+
+/// Doubtful cells that the body does not come near for a while are the room's.
+void PeopleFinder::explainLegs(int k, const fit::PosedModel& body) {
+  for (std::size_t i = 0; i < legs_.size(); ++i) {
+    if (person_[i] != k + 1 || kinds_[i] != CellKind::kUnknown || evidence_.logits()[i] >= kJoins) continue;
+    const Vec3f position = positions_(grid_, i % grid_.width, i / grid_.width);
+    if (position.y() > kLegs) continue;
+    if (isExplained(body, position)) {
+      unexplained_[i] = 0;
+    } else if (unexplained_[i] < kUnexplained) {
+      ++unexplained_[i];
+    }
   }
 }
 
@@ -442,7 +503,8 @@ void PeopleFinder::find(const DepthFrame& frame) {
   const std::span<const std::int32_t> label = finder_.labels();
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     const bool maybe = label[i] >= 0 && owners_.mayBeSomeone(label[i]);
-    taken_[i] = person_[i] != 0 || maybe || (evidence_.logits()[i] > 0 && kinds_[i] >= CellKind::kBackground);
+    taken_[i] = person_[i] != 0 || maybe || legs_[i] == Leg::kOpen ||
+                (evidence_.logits()[i] > 0 && kinds_[i] >= CellKind::kBackground);
   }
   background_.learn(grid_, kinds_, taken_);
   report();
@@ -463,6 +525,7 @@ void PeopleFinder::explain(int user, const fit::PosedModel& body) {
       explainCells(k, body);
     } else {
       explainPieces(k, body);
+      explainLegs(k, body);
     }
   }
 }

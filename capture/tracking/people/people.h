@@ -64,6 +64,7 @@ class PeopleFinder {
   void makeBackground(int slot);
   void explainCells(int slot, const fit::PosedModel& body);
   void explainPieces(int slot, const fit::PosedModel& body);
+  void explainLegs(int slot, const fit::PosedModel& body);
   void report();
   void paint(std::span<const std::uint16_t> depthMm);
   void labelPixels(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> numbers);
@@ -81,8 +82,14 @@ class PeopleFinder {
   ComponentFinder finder_;
   PersonOwners owners_;
   PersonMoves moves_;
-  DepthTable floorNoise_;     ///< of heights over the floor, for a camera 1 m up [m]
-  std::vector<int> strange_;  ///< cells of each surface that were of people whom the network does not know
+  DepthTable floorNoise_;  ///< of heights over the floor, for a camera 1 m up [m]
+  /// What the network denies but may be a leg: a person's, or left open until a body explains them.
+  enum class Leg : std::uint8_t { kNone, kOpen, kTheirs };
+  std::vector<Leg> legs_;
+  std::vector<std::uint8_t> unexplained_;  ///< frames for which no body came near a cell that may be a leg's
+  std::vector<std::uint32_t> queue_;
+  std::vector<int> leftOpen_;  ///< cells of each surface that were left open
+  std::vector<int> strange_;   ///< cells of each surface that were of people whom the network does not know
   std::vector<CellKind> kinds_;
   std::span<std::uint8_t> person_;  ///< of the owners: slot + 1
   std::vector<std::uint8_t> lastPerson_;
