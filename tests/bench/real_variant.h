@@ -11,6 +11,7 @@ namespace lorica::bench {
 struct RealVariant {
   int start = 0;        ///< frames left out at the beginning
   bool mirror = false;  ///< the image's left and right are exchanged, and people's with them
+  bool sways = false;   ///< the camera rolls by 6 degrees and pans by 7, to and fro in four and six seconds
 };
 
 /// The recording's truth as this variant shows it, frames counted from the first one shown.

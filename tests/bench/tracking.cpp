@@ -509,6 +509,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 10'000));
   app.add_flag("--mirror", options.realOptions.variant.mirror, "with --real: left and right exchanged");
   app.add_flag("--near", options.near, "measure on rendered people near the camera, from the waist up, instead");
+  app.add_flag("--sway", options.realOptions.variant.sways, "with --real: the camera sways");
   app.add_flag("--four", options.four, "with --real: four runs, from the first frame and two later, both mirrored");
   app.add_option("--composed", options.realOptions.composed,
                  "with --real: so many rooms composed of its people, its empty rooms and rendered furniture instead")

@@ -220,6 +220,7 @@ void subtractDefinitions(std::span<const RealRecording> recordings,
 
 /// The masks that lie beside a recording, of every tenth frame.
 MaskOf masksBeside(const RealRecording& recording, const RealVariant& variant) {
+  if (variant.sways) return {};
   return [&recording, variant, pixels = std::vector<std::uint8_t>()](int frame) mutable {
     const fs::path file =
         recording.file.parent_path() / "masks" / fmt::format("{}_{:04}.png", recording.name, frame + variant.start);
