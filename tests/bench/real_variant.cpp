@@ -1,23 +1,13 @@
 #include "tests/bench/real_variant.h"
 
 #include "capture/smoothing.h"
+#include "tests/bench/generators/swaying_camera.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace lorica::bench {
 namespace {
-
-/// Camera that sways from camera that stands, in a frame counted from the first one shown.
-Mat3 swayAt(int frame) {
-  const double seconds = frame / 30.0, degree = M_PI / 180.0;
-  return (Eigen::AngleAxisd(6.0 * degree * std::sin(2.0 * M_PI * seconds / 4.0), Vec3::UnitZ()) *
-          Eigen::AngleAxisd(7.0 * degree * std::sin(2.0 * M_PI * seconds / 6.0), Vec3::UnitY()))
-      .toRotationMatrix();
-}
 
 class AlteredSource : public DepthSource {
  public:
@@ -33,7 +23,7 @@ class AlteredSource : public DepthSource {
     }
     const Result<DepthRead> read = source_->next(frame);
     if (!read || *read != DepthRead::kFrame) return read;
-    if (variant_.sways) sway(frame);
+    if (variant_.sways) sway(camera(), frame_++, frame);
     if (!variant_.mirror) return read;
     for (auto row = frame.depthMm.begin(); row != frame.depthMm.end(); row += camera().width) {
       std::reverse(row, row + camera().width);
@@ -42,28 +32,8 @@ class AlteredSource : public DepthSource {
   }
 
  private:
-  /// Turning does not uncover anything: each pixel shows what was seen in its direction.
-  void sway(DepthFrame& frame) {
-    const DepthCamera& c = camera();
-    const Mat3 swaying = swayAt(frame_++);
-    still_ = frame.depthMm;
-    for (int row = 0; row < c.height; ++row) {
-      for (int column = 0; column < c.width; ++column) {
-        const Vec3 ray((column + 0.5 - 0.5 * c.width) / c.focalX(), (0.5 * c.height - row - 0.5) / c.focalY(), -1.0);
-        const Vec3 before = swaying.transpose() * ray;
-        const int u = static_cast<int>(std::floor(0.5 * c.width - c.focalX() * before.x() / before.z()));
-        const int v = static_cast<int>(std::floor(0.5 * c.height + c.focalY() * before.y() / before.z()));
-        const bool inside = u >= 0 && u < c.width && v >= 0 && v < c.height;
-        const double depth = inside ? still_[static_cast<std::size_t>(v) * c.width + u] : 0.0;
-        frame.depthMm[static_cast<std::size_t>(row) * c.width + column] =
-            static_cast<std::uint16_t>(std::lround(depth / -before.z()));
-      }
-    }
-  }
-
   std::unique_ptr<DepthSource> source_;
   RealVariant variant_;
-  std::vector<std::uint16_t> still_;
   int skipped_ = 0, frame_ = 0;
 };
 

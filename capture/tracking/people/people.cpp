@@ -66,6 +66,7 @@ PeopleFinder::PeopleFinder(const DepthCamera& depthCamera, int max)
       floor_(grid_),
       walls_(grid_),
       positions_(grid_),
+      motion_(grid_),
       background_(grid_),
       evidence_(grid_),
       headFinder_(grid_),
@@ -214,7 +215,7 @@ void PeopleFinder::measure() {
       slot.middle = middle;
       slot.lastSeen = time_;
       if (slot.born == time_) moves_.remember(grid_, person_, k);
-      if (slot.moved) continue;
+      if (slot.moved || cameraMoves_) continue;
       const bool isMoving = kOfCells * slot.newCells > kNewCells * slot.cells || moves_.hasMoved(grid_, person_, k);
       slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
       slot.moved = slot.movingFrames >= kMovingFrames;
@@ -474,8 +475,11 @@ void PeopleFinder::find(const DepthFrame& frame) {
   started_ = true;
   grid_.fill(frame.depthMm);
   const bool floorBefore = floor_.found();
-  floor_.update(grid_);
-  walls_.update(grid_, floor_.up().cast<float>());
+  const bool cameraMoves = motion_.update(grid_, lastDepthMm_, lastPerson_, time_);
+  if (cameraMoves && !cameraMoves_) background_.forget();
+  cameraMoves_ = cameraMoves;
+  floor_.update(grid_, cameraMoves);
+  walls_.update(grid_, floor_.up().cast<float>(), cameraMoves);
   const bool floorIsNew = floor_.found() && !floorBefore;
   floorFromCamera_ = floor_.floorFromCamera();
   positions_.set(grid_, floorFromCamera_);
@@ -506,7 +510,7 @@ void PeopleFinder::find(const DepthFrame& frame) {
     taken_[i] = person_[i] != 0 || maybe || legs_[i] == Leg::kOpen ||
                 (evidence_.logits()[i] > 0 && kinds_[i] >= CellKind::kBackground);
   }
-  background_.learn(grid_, kinds_, taken_);
+  if (!cameraMoves_) background_.learn(grid_, kinds_, taken_);
   report();
   paint(frame.depthMm);
   std::ranges::copy(person_, lastPerson_.begin());

@@ -76,6 +76,7 @@ class PeopleFinder {
   FloorFinder floor_;
   WallFinder walls_;
   FloorPositions positions_;
+  CameraMotion motion_;
   Background background_;
   PersonEvidence evidence_;
   HeadFinder headFinder_;
@@ -98,6 +99,7 @@ class PeopleFinder {
   PersonSlots slots_;
   double time_ = 0.0, elapsed_ = 0.0;
   bool started_ = false;
+  bool cameraMoves_ = false;
   int frameCount_ = 0;
   std::vector<PersonSegment> people_;
   std::vector<std::uint8_t> labels_;

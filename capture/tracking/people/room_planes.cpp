@@ -102,7 +102,10 @@ class PlaneMoments {
 };
 
 // Of floors.
-constexpr double kMinLevel = 60;  // min samples on a floor
+constexpr int kSearch = 15, kSearchFast = 5;  // frames between searches for another one; while the camera moves
+constexpr int kDoubts = 3;                    // searches that another one must win
+constexpr int kFollowedFast = 1;              // frames for which a plane seems to be followed while the camera moves
+constexpr double kMinLevel = 60;              // min samples on a floor
 constexpr double kMaxTilt = 40.0 * EIGEN_PI / 180.0;
 constexpr double kMaxRoll = 20.0 * EIGEN_PI / 180.0;
 
@@ -202,7 +205,7 @@ bool FloorFinder::detect(Plane& plane) {
   return score(plane) >= kMinLevel;
 }
 
-void FloorFinder::update(const DepthGrid& grid) {
+void FloorFinder::update(const DepthGrid& grid, bool moves) {
   takeSamples(grid);
   const int frame = frameCount_++;
   if (!found_) {
@@ -212,6 +215,7 @@ void FloorFinder::update(const DepthGrid& grid) {
     followed_ = 1;
     return;
   }
+  if (moves) followed_ = std::min(followed_, kFollowedFast);
   Plane now = plane_;
   if (refine(now)) {
     const double share = std::max(1.0 / (1.0 + followed_), 0.02);
@@ -219,12 +223,12 @@ void FloorFinder::update(const DepthGrid& grid) {
     plane_.height += share * (now.height - plane_.height);
     ++followed_;
   }
-  if (frame % 15 != 0) return;
+  if (frame % (moves ? kSearchFast : kSearch) != 0) return;
   // The camera was moved, or the plane taken for the floor turns out to have something below it.
   Plane other;
   const bool better = detect(other) && score(other) > 1.5 * std::max(0.0, score(plane_)) + kMinLevel;
   doubts_ = better ? doubts_ + 1 : 0;
-  if (doubts_ < 3) return;
+  if (doubts_ < (moves ? 1 : kDoubts)) return;
   plane_ = other;
   followed_ = 1;
   doubts_ = 0;
@@ -324,7 +328,12 @@ bool WallFinder::detect(const Vec3f& up, Plane& plane) {
   return score(plane) >= least;
 }
 
-void WallFinder::update(const DepthGrid& grid, const Vec3f& up) {
+void WallFinder::update(const DepthGrid& grid, const Vec3f& up, bool moves) {
+  if (moves) {
+    planes_.clear();
+    frameCount_ = 0;
+    return;
+  }
   if (frameCount_++ % kPause != 0) return;
   takeSamples(grid);
   planes_.clear();

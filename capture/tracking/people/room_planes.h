@@ -19,8 +19,9 @@ class FloorFinder {
  public:
   explicit FloorFinder(const DepthGrid& grid);
 
-  /// @param grid  same size in every call
-  void update(const DepthGrid& grid);
+  /// @param grid   same size in every call
+  /// @param moves  the camera moves: the plane is followed fast
+  void update(const DepthGrid& grid, bool moves);
 
   [[nodiscard]] bool found() const { return found_; }
   /// Unit, upwards; camera frame. The floor is the set of positions with up . position + height() = 0.
@@ -65,8 +66,9 @@ class WallFinder {
   explicit WallFinder(const DepthGrid& grid);
 
   /// Searches in the first frame and in every 15th.
-  /// @param up  unit, upwards, camera frame: walls are within 30 degrees of it
-  void update(const DepthGrid& grid, const Vec3f& up);
+  /// @param up     unit, upwards, camera frame: walls are within 30 degrees of it
+  /// @param moves  the camera moves: no wall stays where it is
+  void update(const DepthGrid& grid, const Vec3f& up, bool moves);
   /// Sets the kinds of the walls' cells to kWall.
   void mark(const DepthGrid& grid, std::span<CellKind> kinds) const;
 

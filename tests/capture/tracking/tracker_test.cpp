@@ -8,6 +8,7 @@
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/generators/other_cameras.h"
+#include "tests/bench/generators/swaying_camera.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 #include "tests/support/lens_rays.h"
@@ -328,6 +329,28 @@ TEST(RealPeople, ALegBesideFurnitureIsTheirs) {
     theirs += followed && tracker.labels()[static_cast<std::size_t>(row) * camera.width + column] == 1;
   }
   EXPECT_GE(theirs * 10, frames * 9);
+}
+
+/// A background that was learned is worth nothing once the camera has turned: furniture would be new.
+TEST(RealPeople, ASwayingCameraShowsNobodyWhoIsNotThere) {
+  for (const std::string name : {"B_armchair2_a26s7", "A_study_a14s3"}) {
+    SCOPED_TRACE(name);
+    LORICA_REQUIRE_DATASET(oni, "depth_real/" + name + ".oni");
+    const int start = readTruth(oni.parent_path() / (name + ".joints.csv")).begin()->first;
+    const std::unique_ptr<OniFile> source = openOni(oni).value();
+    Tracker tracker = Tracker::create(source->camera()).value();
+    DepthFrame depth;
+    int frames = 0, followed = 0;
+    for (int frame = 0; source->next(depth).value() == DepthRead::kFrame; ++frame) {
+      bench::sway(source->camera(), frame, depth);
+      const std::size_t people = tracker.track(depth).size();
+      ASSERT_LE(people, frame < start ? 0U : 1U) << frame;
+      if (frame < start + 30) continue;
+      ++frames;
+      followed += people == 1;
+    }
+    EXPECT_GE(followed * 10, frames * 9);
+  }
 }
 
 /// A chair before a partition has a head and shoulders, hangs together with the room and never moves.

@@ -84,7 +84,7 @@ std::pair<double, double> marked(const VirtualRoom& room, const std::vector<doub
   const Seen seen(sensor);
   WallFinder walls(seen.grid);
   const Vec3 up = sensor.floorFromCamera().linear().transpose() * Vec3::UnitY();
-  walls.update(seen.grid, up.cast<float>());
+  walls.update(seen.grid, up.cast<float>(), false);
   std::vector<CellKind> kinds(seen.grid.cellCount(), CellKind::kNone);
   walls.mark(seen.grid, kinds);
   int wall = 0, wallMarked = 0, person = 0, personMarked = 0;
@@ -124,7 +124,7 @@ TEST(WallFinder, AShelfWithTheRoomBehindItIsNoWall) {
   VirtualSensor sensor = sensorBefore({}, room);
   const Seen seen(sensor);
   WallFinder walls(seen.grid);
-  walls.update(seen.grid, Vec3f::UnitY());
+  walls.update(seen.grid, Vec3f::UnitY(), false);
   std::vector<CellKind> kinds(seen.grid.cellCount(), CellKind::kNone);
   walls.mark(seen.grid, kinds);
   int onShelf = 0;
@@ -158,7 +158,7 @@ FoundFloor look(const VirtualRoom& room, bool noisy, int frames = 12, std::vecto
   for (int f = 0; f < frames; ++f) {
     sensor.render(static_cast<std::uint64_t>(f), frame);
     grid.fill(frame.depthMm);
-    finder.update(grid);
+    finder.update(grid, false);
   }
   const Vec3 up = room.worldFromCamera.linear().transpose() * Vec3::UnitY();
   FoundFloor seen;
@@ -179,7 +179,7 @@ std::vector<VirtualPerson> standing(double z) {
 TEST(FloorFinder, NothingMeasuredIsNoFloor) {
   DepthGrid grid{DepthCamera{}};
   FloorFinder finder(grid);
-  finder.update(grid);
+  finder.update(grid, false);
   EXPECT_FALSE(finder.found());
   EXPECT_EQ(finder.floorFromCamera().translation(), Vec3(0.0, 1.2, 0.0));
   EXPECT_EQ(finder.floorFromCamera().linear(), Mat3::Identity());
@@ -252,7 +252,7 @@ TEST(FloorFinder, FrameLiesBelowTheCameraAndLooksAlongMinusZ) {
   DepthFrame frame;
   sensor.render(0, frame);
   grid.fill(frame.depthMm);
-  finder.update(grid);
+  finder.update(grid, false);
   ASSERT_TRUE(finder.found());
   EXPECT_LT((finder.floorFromCamera().matrix() - sensor.floorFromCamera().matrix()).norm(), 0.005);
 }
@@ -269,7 +269,7 @@ TEST(FloorFinder, CameraThatIsMovedIsFollowed) {
   for (std::uint64_t f = 0; f < 110; ++f) {
     (f < 20 ? low : high).render(f % 4, frame);
     grid.fill(frame.depthMm);
-    finder.update(grid);
+    finder.update(grid, false);
   }
   EXPECT_NEAR(finder.height(), 1.7, 0.03);
 }
