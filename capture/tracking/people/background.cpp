@@ -13,9 +13,9 @@ constexpr std::uint8_t kReplaceAfter = 45;  // frames that something nearer must
 constexpr std::uint8_t kDeeperAfter = 3;    // frames that something deeper must be seen
 constexpr int kFirstFrames = 5;             // in these, everything that belongs to nobody is learnt at once
 constexpr float kNotKnown = 1e6F;
-constexpr int kMotionFrames = 8;     // over which the camera's motion is looked for
+constexpr int kMotionFrames = 8;      // over which the camera's motion is looked for
 constexpr float kTurnedShare = 0.1F;  // of the cells that change then, beside twice those that change in a frame
-constexpr double kStillAfter = 1.0;  // how long the camera must stand still [s]
+constexpr double kStillAfter = 1.0;   // how long the camera must stand still [s]
 
 /// Of a depth, both in metres: what differs by less may be the same surface.
 float changeTolerance(double depth) {
