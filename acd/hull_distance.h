@@ -12,8 +12,8 @@ namespace lorica {
 /// An internal cavity that the hull does not touch, such as a bubble, is ignored: the hull's surface is not in it.
 ///
 /// The distance is Lipschitz continuous with constant 1, and the distance to a single triangle is convex. Both give
-/// upper bounds over a piece of the hull. The piece with the highest bound is halved until the bound is within the
-/// tolerance.
+/// upper bounds over a piece of the hull, a triangle or a flat face of many. The piece with the highest bound is halved
+/// until the bound is within the tolerance.
 /// @param points       positions that the triangles index
 /// @param triangles    of the closed part, at least one; the hull contains them
 /// @param ignoreBelow  distances up to this need not be distinguished [m]; raised to 0.1 % of the hull's diagonal

@@ -65,8 +65,9 @@ RealRecording altered(const RealRecording& recording, const RealVariant& variant
     std::map<int, Joints> shown;
     for (const auto& [frame, joints] : person) {
       if (frame < variant.start) continue;
-      Joints& now = shown[frame - variant.start] = altered(joints, variant);
+      Joints now = joints;
       for (Vec3& joint : now) joint = variant.sways ? Vec3(swayAt(frame - variant.start) * joint) : joint;
+      shown[frame - variant.start] = altered(now, variant);
     }
     person = std::move(shown);
   }

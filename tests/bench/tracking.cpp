@@ -509,11 +509,16 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 10'000));
   app.add_flag("--mirror", options.realOptions.variant.mirror, "with --real: left and right exchanged");
   app.add_flag("--near", options.near, "measure on rendered people near the camera, from the waist up, instead");
-  app.add_flag("--sway", options.realOptions.variant.sways, "with --real: the camera sways");
-  app.add_flag("--four", options.four, "with --real: four runs, from the first frame and two later, both mirrored");
-  app.add_option("--composed", options.realOptions.composed,
-                 "with --real: so many rooms composed of its people, its empty rooms and rendered furniture instead")
-      ->check(CLI::Range(1, 10'000));
+  CLI::Option* four =
+      app.add_flag("--four", options.four, "with --real: four runs, from the first frame and two later, both mirrored");
+  CLI::Option* composed =
+      app.add_option(
+             "--composed", options.realOptions.composed,
+             "with --real: so many rooms composed of its people, its empty rooms and rendered furniture instead")
+          ->check(CLI::Range(1, 10'000));
+  app.add_flag("--sway", options.realOptions.variant.sways, "with --real: the camera rolls and pans to and fro")
+      ->excludes(four)
+      ->excludes(composed);
   app.add_option("--results", options.realOptions.results, "with --real: folder for the joints and labels");
   app.add_option("--pictures", options.realOptions.pictures,
                  "with --real: folder for pictures of the tracked (red) and recorded (green) joints over the depth");

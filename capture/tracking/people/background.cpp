@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace lorica {
 
@@ -13,45 +12,8 @@ constexpr std::uint8_t kReplaceAfter = 45;  // frames that something nearer must
 constexpr std::uint8_t kDeeperAfter = 3;    // frames that something deeper must be seen
 constexpr int kFirstFrames = 5;             // in these, everything that belongs to nobody is learnt at once
 constexpr float kNotKnown = 1e6F;
-constexpr int kMotionFrames = 8;      // over which the camera's motion is looked for
-constexpr float kTurnedShare = 0.1F;  // of the cells that change then, beside twice those that change in a frame
-constexpr double kStillAfter = 1.0;   // how long the camera must stand still [s]
-
-/// Of a depth, both in metres: what differs by less may be the same surface.
-float changeTolerance(double depth) {
-  return 0.012F + 3.0F * depthNoise(depth);
-}
 
 }  // namespace
-
-CameraMotion::CameraMotion(const DepthGrid& grid)
-    : before_(grid.cellCount()), covered_(grid.cellCount()), tolerance_(changeTolerance) {}
-
-float CameraMotion::changedSince(const DepthGrid& grid, std::span<const std::uint16_t> before,
-                                 std::span<const std::uint8_t> covered) const {
-  int both = 0, changed = 0;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    const int now = grid.depthMm[i], was = before[i];
-    if (now == 0 || was == 0 || covered[i] != 0 || covered_[i] != 0) continue;
-    ++both;
-    changed += static_cast<float>(std::abs(now - was)) > 1000.0F * tolerance_[grid.depthMm[i]];
-  }
-  return static_cast<float>(changed) / static_cast<float>(std::max(both, 1));
-}
-
-bool CameraMotion::update(const DepthGrid& grid, std::span<const std::uint16_t> last,
-                          std::span<const std::uint8_t> covered, double time) {
-  if (age_ == kMotionFrames) {
-    const bool moved = changedSince(grid, before_, covered) > kTurnedShare + 2.0F * changedSince(grid, last, covered);
-    if (moved) until_ = time + kStillAfter;
-    age_ = 0;
-  }
-  if (age_++ == 0) {
-    before_ = grid.depthMm;
-    std::ranges::copy(covered, covered_.begin());
-  }
-  return time < until_;
-}
 
 Background::Background(const DepthGrid& grid)
     : width_(grid.width),
@@ -62,7 +24,7 @@ Background::Background(const DepthGrid& grid)
       seen_(grid.cellCount()),
       nearest_(grid.cellCount(), kNotKnown),
       rowNearest_(grid.cellCount(), kNotKnown),
-      tolerance_(changeTolerance) {}
+      tolerance_([](double depth) { return 0.012F + 3.0F * depthNoise(depth); }) {}
 
 void Background::classify(const DepthGrid& grid, std::span<CellKind> kinds) const {
   for (std::size_t i = 0; i < kinds.size(); ++i) {

@@ -33,8 +33,6 @@ constexpr int kUnlearns = 512;   // logit above which a cell of the background s
 constexpr int kNoLeg = -450;     // ... below which a cell is no leg's, beside what is a person's
 constexpr int kOpen = -1000;     // ... below which it is not left open either: the network wavers at first
 constexpr float kLegs = 0.6F;    // doubtful cells this high over the floor may be a leg's [m]
-constexpr int kSameCell = 40;    // a cell whose depth changes by more shows something else [mm]
-constexpr std::uint8_t kUnexplained = 15;  // frames after which a doubtful cell that no body comes near is the room's
 constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
 constexpr double kPersonSeconds = 20.0;    // how long someone with head and shoulders may stand motionless
 constexpr double kFloorNoises = 2.5;       // a floor lies within so many times the depth's noise ...
@@ -48,14 +46,6 @@ constexpr int kNewCells = 3, kOfCells = 20;          // somebody moves if more t
 constexpr int kSmallPart = 25;                       // a low thing covers less than this part of the image
 constexpr double kNearestBody = 0.3;                 // from the camera, of a body that is projected [m]
 constexpr double kLongestFrame = 1.0;                // longer pauses count as this [s]
-
-/// Whether a position is within kFar of a body.
-bool isExplained(const fit::PosedModel& body, const Vec3f& position) {
-  return std::ranges::any_of(body.capsule, [&](const fit::ShapedCapsule& capsule) {
-    return (position - capsule.middle).norm() - capsule.reach < kFar &&
-           std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
-  });
-}
 
 }  // namespace
 
@@ -75,8 +65,8 @@ PeopleFinder::PeopleFinder(const DepthCamera& depthCamera, int max)
       moves_(grid_),
       floorNoise_([](double depth) { return kFloorNoises * depthNoise(depth) / depth; }),
       legs_(grid_.cellCount()),
-      unexplained_(grid_.cellCount()),
       leftOpen_(kMaxSurfaces),
+      divided_(kMaxSurfaces),
       strange_(kMaxSurfaces),
       kinds_(grid_.cellCount()),
       person_(owners_.person()),
@@ -122,20 +112,21 @@ bool PeopleFinder::takeFurnitureOff() {
     if (lastPerson_[i] != 0) strange_[label[i]] += slots_[lastPerson_[i] - 1U].strange;
     if (kinds_[i] == CellKind::kUnknown) leftOpen_[label[i]] += legs_[i] == Leg::kOpen;
   }
-  const auto isDivided = [&](std::size_t i) {
-    if (label[i] < 0 || kinds_[i] != CellKind::kUnknown) return false;
-    const DepthComponent& one = all[label[i]];
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const DepthComponent& one = all[k];
     const bool whole =
-        isTooNear(one, grid_) || (one.affirmed > kWholeShare * one.cells && 100 * leftOpen_[label[i]] <= one.cells) ||
+        isTooNear(one, grid_) || (one.affirmed > kWholeShare * one.cells && 100 * leftOpen_[k] <= one.cells) ||
         (3 * one.affirmed < one.cells && !isOversize(one) && one.area * one.affirmed < kMinVisibleArea * one.cells);
-    return !whole && 3 * strange_[label[i]] <= one.cells;
+    divided_[k] = !whole && 3 * strange_[k] <= one.cells;
+  }
+  const auto isDivided = [&](std::size_t i) {
+    return label[i] >= 0 && kinds_[i] == CellKind::kUnknown && divided_[label[i]];
   };
   bool any = false;
   for (std::size_t i = 0; i < label.size(); ++i) {
-    if (std::abs(grid_.depthMm[i] - lastDepthMm_[i]) > kSameCell) unexplained_[i] = 0;
     legs_[i] = Leg::kNone;
     if (!isDivided(i)) continue;
-    if (logits[i] < (lastPerson_[i] != 0 && unexplained_[i] < kUnexplained ? kLeaves : kJoins)) {
+    if (logits[i] < (lastPerson_[i] != 0 ? kLeaves : kJoins)) {
       kinds_[i] = CellKind::kFurniture;
       any = true;
     }
@@ -145,7 +136,7 @@ bool PeopleFinder::takeFurnitureOff() {
   for (const bool explained : {true, false}) {
     queue_.clear();
     for (std::size_t i = 0; i < label.size(); ++i) {
-      if (kinds_[i] != CellKind::kUnknown || !isDivided(i)) continue;
+      if (!isDivided(i)) continue;
       const bool known = lastPerson_[i] != 0 && slots_[lastPerson_[i] - 1U].confirmed;
       if (known == explained) queue_.push_back(i);
     }
@@ -154,7 +145,7 @@ bool PeopleFinder::takeFurnitureOff() {
       const float step = 500.0F * finder_.step(grid_.depthMm[i]);
       grid_.visitNeighbours(i, [&](std::size_t j) {
         if (kinds_[j] != CellKind::kFurniture || legs_[j] != Leg::kNone || label[j] != label[i]) return;
-        if (logits[j] < (explained ? kNoLeg : kOpen) || unexplained_[j] >= kUnexplained) return;
+        if (logits[j] < (explained ? kNoLeg : kOpen)) return;
         if (std::abs(grid_.depthMm[i] - grid_.depthMm[j]) >= step) return;
         if (positions_(grid_, j % grid_.width, j / grid_.width).y() > kLegs) return;
         legs_[j] = explained ? Leg::kTheirs : Leg::kOpen;
@@ -327,22 +318,15 @@ void PeopleFinder::explainPieces(int k, const fit::PosedModel& body) {
       }
     };
     int far = 0;
-    each([&](int c, int r) { far += !isExplained(body, positions_(grid_, c, r)); });
+    each([&](int c, int r) {
+      const Vec3f position = positions_(grid_, c, r);
+      const auto isNear = [&](const fit::ShapedCapsule& capsule) {
+        return (position - capsule.middle).norm() - capsule.reach < kFar &&
+               std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
+      };
+      far += std::ranges::none_of(body.capsule, isNear);
+    });
     if (2 * far > one.cells) each([&](int c, int r) { lastPerson_[grid_.index(c, r)] = 0; });
-  }
-}
-
-/// Doubtful cells that the body does not come near for a while are the room's.
-void PeopleFinder::explainLegs(int k, const fit::PosedModel& body) {
-  for (std::size_t i = 0; i < legs_.size(); ++i) {
-    if (person_[i] != k + 1 || kinds_[i] != CellKind::kUnknown || evidence_.logits()[i] >= kJoins) continue;
-    const Vec3f position = positions_(grid_, i % grid_.width, i / grid_.width);
-    if (position.y() > kLegs) continue;
-    if (isExplained(body, position)) {
-      unexplained_[i] = 0;
-    } else if (unexplained_[i] < kUnexplained) {
-      ++unexplained_[i];
-    }
   }
 }
 
@@ -529,7 +513,6 @@ void PeopleFinder::explain(int user, const fit::PosedModel& body) {
       explainCells(k, body);
     } else {
       explainPieces(k, body);
-      explainLegs(k, body);
     }
   }
 }

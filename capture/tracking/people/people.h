@@ -3,6 +3,7 @@
 #include "capture/sensor/depth_frame.h"
 #include "capture/tracking/fit/body_model.h"
 #include "capture/tracking/people/background.h"
+#include "capture/tracking/people/camera_motion.h"
 #include "capture/tracking/people/components.h"
 #include "capture/tracking/people/depth_grid.h"
 #include "capture/tracking/people/head_finder.h"
@@ -64,7 +65,6 @@ class PeopleFinder {
   void makeBackground(int slot);
   void explainCells(int slot, const fit::PosedModel& body);
   void explainPieces(int slot, const fit::PosedModel& body);
-  void explainLegs(int slot, const fit::PosedModel& body);
   void report();
   void paint(std::span<const std::uint16_t> depthMm);
   void labelPixels(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> numbers);
@@ -87,10 +87,10 @@ class PeopleFinder {
   /// What the network denies but may be a leg: a person's, or left open until a body explains them.
   enum class Leg : std::uint8_t { kNone, kOpen, kTheirs };
   std::vector<Leg> legs_;
-  std::vector<std::uint8_t> unexplained_;  ///< frames for which no body came near a cell that may be a leg's
-  std::vector<std::uint32_t> queue_;
-  std::vector<int> leftOpen_;  ///< cells of each surface that were left open
-  std::vector<int> strange_;   ///< cells of each surface that were of people whom the network does not know
+  std::vector<std::uint32_t> queue_;  ///< cells beside which a leg may go on
+  std::vector<int> leftOpen_;         ///< cells of each surface that were left open
+  std::vector<bool> divided_;         ///< surfaces that are part person and part room
+  std::vector<int> strange_;          ///< cells of each surface that were of people whom the network does not know
   std::vector<CellKind> kinds_;
   std::span<std::uint8_t> person_;  ///< of the owners: slot + 1
   std::vector<std::uint8_t> lastPerson_;

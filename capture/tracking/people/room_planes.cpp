@@ -104,7 +104,6 @@ class PlaneMoments {
 // Of floors.
 constexpr int kSearch = 15, kSearchFast = 5;  // frames between searches for another one; while the camera moves
 constexpr int kDoubts = 3;                    // searches that another one must win
-constexpr int kFollowedFast = 1;              // frames for which a plane seems to be followed while the camera moves
 constexpr double kMinLevel = 60;              // min samples on a floor
 constexpr double kMaxTilt = 40.0 * EIGEN_PI / 180.0;
 constexpr double kMaxRoll = 20.0 * EIGEN_PI / 180.0;
@@ -215,7 +214,7 @@ void FloorFinder::update(const DepthGrid& grid, bool moves) {
     followed_ = 1;
     return;
   }
-  if (moves) followed_ = std::min(followed_, kFollowedFast);
+  if (moves) followed_ = 1;
   Plane now = plane_;
   if (refine(now)) {
     const double share = std::max(1.0 / (1.0 + followed_), 0.02);

@@ -353,6 +353,39 @@ TEST(RealPeople, ASwayingCameraShowsNobodyWhoIsNotThere) {
   }
 }
 
+/// Somebody near who comes covers half of the image, which is no motion of the camera: the room stays known.
+TEST(RealPeople, WhoComesToADeskIsFoundBeforeTheRoomThatWasLearned) {
+  LORICA_REQUIRE_DATASET(oni, "depth_real/near_waist_up.oni");
+  const std::unique_ptr<OniFile> source = openOni(oni).value();
+  const DepthCamera& camera = source->camera();
+  const auto w = static_cast<std::size_t>(camera.width);
+  Tracker tracker = Tracker::create(camera).value();
+  constexpr int kEmpty = 40, kComing = 15;
+  DepthFrame recorded, shown;
+  int frames = 0, followed = 0;
+  for (int frame = 0;; ++frame) {
+    if (frame >= kEmpty || frame == 0) {
+      if (source->next(recorded).value() != DepthRead::kFrame) break;
+    }
+    // The person comes from the right; without them there is the wall.
+    const std::size_t left = std::clamp(kEmpty + kComing - frame, 0, kComing);
+    const std::size_t aside = w * left / kComing;
+    shown.depthMm.assign(recorded.depthMm.size(), 2600);
+    shown.time = frame / 30.0;
+    for (std::size_t i = 0; i < shown.depthMm.size(); ++i) {
+      if (i % w < aside) continue;
+      const std::uint16_t depth = recorded.depthMm[i - aside];
+      if (depth > 0 && depth < 1700) shown.depthMm[i] = depth;
+    }
+    const std::size_t people = tracker.track(shown).size();
+    ASSERT_LE(people, frame < kEmpty ? 0U : 1U) << frame;
+    if (frame < kEmpty + kComing + 5) continue;
+    ++frames;
+    followed += people == 1;
+  }
+  EXPECT_EQ(followed, frames);
+}
+
 /// A chair before a partition has a head and shoulders, hangs together with the room and never moves.
 TEST(Tracker, FurnitureThatStandsStillIsNobody) {
   LORICA_REQUIRE_DATASET(path, "depth_real/N_kitB_behind_a2s4.oni");
