@@ -123,7 +123,7 @@ std::string whyNot(std::string_view name, std::string_view content) {
   const auto mesh = readAs(name, content);
   if (mesh.ok()) return "";
   const std::string& message = mesh.error().message;
-  const std::size_t at = message.find("/" + std::string(name) + ": ");
+  const std::size_t at = message.find(std::filesystem::path("/").make_preferred().string() + std::string(name) + ": ");
   EXPECT_NE(at, std::string::npos) << message;
   EXPECT_TRUE(message.starts_with(std::filesystem::temp_directory_path().string())) << message;
   return message.substr(at + 1);

@@ -2,6 +2,7 @@
 #include "acd/transfer.h"
 #include "collision/live/choose_cover.h"
 #include "collision/live/moving_hull.h"
+#include "geometry/threads.h"
 #include "skinning/linear_blend.h"
 #include "skinning/morphs/shapes.h"
 #include "tests/collision/live/moving_hull_truth.h"
@@ -10,7 +11,6 @@
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -387,8 +387,7 @@ TEST(LiveBody, JumpsBetweenUnlikePosesLeaveSoundHullsOfAnyPoints) {
 }
 
 TEST(LiveBody, AnyNumberOfThreadsGivesTheSameHulls) {
-  const auto trace = [](int threads) {
-    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  const auto trace = [] {
     test::Dancer dancer;
     LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
     std::mt19937_64 random(11);
@@ -405,9 +404,9 @@ TEST(LiveBody, AnyNumberOfThreadsGivesTheSameHulls) {
     }
     return hulls;
   };
-  const std::vector<ConvexHull> one = trace(1);
+  const std::vector<ConvexHull> one = withThreads(1, trace);
   for (const int threads : {2, 5}) {
-    const std::vector<ConvexHull> many = trace(threads);
+    const std::vector<ConvexHull> many = withThreads(threads, trace);
     ASSERT_EQ(many.size(), one.size());
     for (std::size_t i = 0; i < one.size(); ++i) {
       EXPECT_EQ(many[i].vertices, one[i].vertices) << threads << " threads, hull " << i;
@@ -483,20 +482,22 @@ TEST(LiveBody, FramesOfACharacterAllocateNothing) {
   for (Affine3& bone : frames[5]) bone.matrix().setConstant(std::numeric_limits<double>::quiet_NaN());
   for (Affine3& bone : frames[8]) bone.linear() *= 1e-3;
   // The first frame in which another thread helps would allocate, whichever that is.
-  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
-  LiveBody copy = body;
-  LiveBody assigned(body.plan(), LiveDetail::kSupport);
-  assigned = copy;
-  LiveBody ofPlan(body.plan());
-  const long before = allocationCount();
-  for (LiveBody* one : {&body, &copy, &assigned, &ofPlan}) {
-    for (const std::vector<Affine3>& frame : frames) {
-      one->update(frame);
-      (void)one->support(0, Vec3::UnitY());
+  const long allocated = withThreads(1, [&] {
+    LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
+    LiveBody copy = body;
+    LiveBody assigned(body.plan(), LiveDetail::kSupport);
+    assigned = copy;
+    LiveBody ofPlan(body.plan());
+    const long before = allocationCount();
+    for (LiveBody* one : {&body, &copy, &assigned, &ofPlan}) {
+      for (const std::vector<Affine3>& frame : frames) {
+        one->update(frame);
+        (void)one->support(0, Vec3::UnitY());
+      }
     }
-  }
-  EXPECT_EQ(allocationCount() - before, 0);
+    return allocationCount() - before;
+  });
+  EXPECT_EQ(allocated, 0);
 }
 
 }  // namespace
