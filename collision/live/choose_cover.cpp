@@ -223,7 +223,7 @@ class PartCover {
     const Planes planes = planesOf(hull);
     Eigen::Index face = 0;
     Eigen::Index farthest = 0;
-    const double distance = ((planes.normals * look.at).colwise() - planes.offsets).maxCoeff(&face, &farthest);
+    const double distance = (planes.normals.lazyProduct(look.at).colwise() - planes.offsets).maxCoeff(&face, &farthest);
     return {std::max(0.0, distance), look.candidate[farthest]};
   }
 
@@ -292,7 +292,7 @@ class PartCover {
       const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
       if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // a plane covers no volume
       const Planes planes = planesOf(hull);
-      const Eigen::MatrixXd above = (planes.normals * look.at).colwise() - planes.offsets;
+      const Eigen::MatrixXd above = planes.normals.lazyProduct(look.at).colwise() - planes.offsets;
       if (above.maxCoeff() <= kHeld * size_) return push == 0;
 
       // For each protruding point, move the corners of the face below it outward, the nearest ones most, minus what

@@ -149,9 +149,9 @@ function(lorica_library name)
   target_link_libraries(lorica_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   lorica_flags(lorica_${name})
   if(EMSCRIPTEN AND NOT name MATCHES "^(geometry|acd|live)$")
-    lorica_optimise(lorica_${name} -Os)  # what a page loads
+    lorica_optimise(lorica_${name} -Oz)  # what a page loads
   elseif(EMSCRIPTEN)
-    set_source_files_properties(${ARG_ONCE} PROPERTIES COMPILE_OPTIONS -Os)
+    set_source_files_properties(${ARG_ONCE} PROPERTIES COMPILE_OPTIONS -Oz)
     list(APPEND ARG_SINGLE ${ARG_ONCE})
   elseif(NOT ARG_HOT)
     lorica_optimise(lorica_${name} -O2)
