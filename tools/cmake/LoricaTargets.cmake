@@ -151,7 +151,6 @@ function(lorica_library name)
   if(EMSCRIPTEN AND NOT name MATCHES "^(geometry|acd|live|hulls)$")
     lorica_optimise(lorica_${name} -Oz)  # what a page loads
   elseif(EMSCRIPTEN)
-    lorica_optimise(lorica_${name} -O2)
     set_source_files_properties(${ARG_ONCE} PROPERTIES COMPILE_OPTIONS -Oz)
     list(APPEND ARG_SINGLE ${ARG_ONCE})
   elseif(NOT ARG_HOT)
