@@ -3,7 +3,6 @@
 #include "collision/live/choose_cover.h"
 #include "collision/live/live_body.h"
 #include "collision/world/body_contacts.h"
-#include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/walker.h"
@@ -30,11 +29,7 @@ using BonePoses = std::vector<std::vector<Affine3>>;  // worldFromModel of each 
 
 BonePoses posesOf(const Character& character, const SkeletalMotion& motion) {
   BonePoses poses;
-  for (int frame = 0; frame < motion.frameCount(); ++frame) {
-    std::vector<Affine3>& matrices = poses.emplace_back(motion.pose(frame).size());
-    computeWorldFromJoint(character.skeleton, motion.pose(frame), matrices);
-    computeWorldFromModel(character, matrices, matrices);
-  }
+  for (int frame = 0; frame < motion.frameCount(); ++frame) poses.push_back(bonesOf(character, motion.pose(frame)));
   return poses;
 }
 
@@ -56,13 +51,6 @@ struct Crowd {
     for (const LiveBody& body : bodies) views.push_back({body.parts(), masses});
   }
 };
-
-std::uint64_t hashOf(const LiveBody& body, std::uint64_t seed) {
-  for (const LivePart& part : body.parts()) {
-    seed = XXH3_64bits_withSeed(part.shape.vertices.data(), part.shape.vertices.size() * sizeof(Vec3), seed);
-  }
-  return seed;
-}
 
 struct Row {
   double hullsUs = 0.0, contactsUs = 0.0, contacts = 0.0, bytes = 0.0;
@@ -98,7 +86,7 @@ Row measure(const std::shared_ptr<const BodyPlan>& plan, std::span<const BonePos
       hulls.push_back(hullsUs);
     }
     row.contacts += static_cast<double>(found.size()) / options.frames;
-    for (const LiveBody& body : crowd.bodies) row.hash = hashOf(body, row.hash);
+    for (const LiveBody& body : crowd.bodies) row.hash = hashOfHulls(body, row.hash);
     for (const BodyContact& c : found) row.hash = XXH3_64bits_withSeed(&c.depth, sizeof(c.depth), row.hash);
   }
   row.hullsUs = medianOf(hulls);

@@ -5,9 +5,9 @@
 #include "capture/files/joint_csv.h"
 #include "collision/hulls/keyframes.h"
 #include "geometry/result.h"
-#include "session/pose_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/walker.h"
 #include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
@@ -247,12 +247,8 @@ using Motions = std::vector<SkeletalMotion>;
 /// The character, its motions and the settings for all figures.
 class Studio {
  public:
-  explicit Studio(const Options& options) : options_(options), character_(makeMannequin()) {
-    motions_.reserve(kShippedMotions.size());
-    for (const std::string_view name : kShippedMotions) {
-      motions_.push_back(perform(character_.skeleton, shippedFrames(name)).value());
-    }
-  }
+  explicit Studio(const Options& options)
+      : options_(options), character_(makeMannequin()), motions_(syntheticMotions(character_)) {}
 
   [[nodiscard]] const Options& options() const { return options_; }
   [[nodiscard]] const Motions& motions() const { return motions_; }

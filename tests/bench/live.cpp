@@ -53,11 +53,6 @@ Motion poseAt60Hz(const Character& character, std::string_view which) {
   Result<Retargeter> retargeter = Retargeter::create(character.skeleton);
   LORICA_CHECK(retargeter.ok(), "the mannequin is humanoid");
   Motion motion{std::string(which), {}};
-  const auto add = [&](const Pose& pose) {
-    std::vector<Affine3>& matrices = motion.worldFromModel.emplace_back(pose.size());
-    computeWorldFromJoint(character.skeleton, pose, matrices);
-    computeWorldFromModel(character, matrices, matrices);
-  };
   Pose pose = restPose(character.skeleton);
   Pose before;
   for (const SkeletonFrame& frame : frames) {
@@ -68,9 +63,9 @@ Motion poseAt60Hz(const Character& character, std::string_view which) {
         between[j].translation = 0.5 * (before[j].translation + pose[j].translation);
         between[j].rotation = before[j].rotation.slerp(0.5, pose[j].rotation);
       }
-      add(between);
+      motion.worldFromModel.push_back(bonesOf(character, between));
     }
-    add(pose);
+    motion.worldFromModel.push_back(bonesOf(character, pose));
     before = pose;
   }
   return motion;
@@ -141,13 +136,6 @@ void row(const std::string& what, const FrameTimes& times, const FrameTimes& ref
              times.cpuMedian(), times.worst(), csvField(beside), reference.median(), reference.cpuMedian(),
              reference.cpuMedian() / times.cpuMedian(), times.hash);
   std::fflush(stdout);
-}
-
-std::uint64_t hashOf(const LiveBody& body, std::uint64_t seed) {
-  for (const LivePart& part : body.parts()) {
-    seed = XXH3_64bits_withSeed(part.shape.vertices.data(), part.shape.vertices.size() * sizeof(Vec3), seed);
-  }
-  return seed;
 }
 
 double volumeOf(const LiveBody& body) {
@@ -248,7 +236,7 @@ void measureStages(const Character& character, const Decomposition& decompositio
   const auto plan = BodyPlan::create(decomposition, character).value();
   std::optional<LiveBody> body;
   const auto startBody = [&] { body.emplace(plan); };
-  const auto hashBody = [&](std::uint64_t h) { return hashOf(*body, h); };
+  const auto hashBody = [&](std::uint64_t h) { return hashOfHulls(*body, h); };
   const auto startSupport = [&] { body.emplace(plan, LiveDetail::kSupport); };
   const auto update = [&](std::span<const Affine3> matrices) { body->update(matrices); };
   row("support only, exact", timeFrames(motions, repeats, 1, startSupport, update, noHash), skinning,

@@ -1,12 +1,11 @@
 // Scaling of the decomposition time with vertices, parts, keyframes and threads: CSV on standard output, with the
 // fitted exponents on lines that start with #.
 
-#include "capture/files/joint_csv.h"
 #include "collision/hulls/keyframes.h"
 #include "geometry/files.h"
-#include "session/pose_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/measure.h"
+#include "tests/bench/walker.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -85,12 +84,7 @@ Result<std::string> measure(const Point& point, const Options& options) {
     positions = mesh.vertices;
   } else {
     const Character character = makeMannequin();
-    std::vector<SkeletalMotion> motions;
-    motions.reserve(kShippedMotions.size());
-    for (const std::string_view name : kShippedMotions) {
-      motions.push_back(perform(character.skeleton, shippedFrames(name)).value());
-    }
-    Result<std::vector<Vec3>> sampled = sampleKeyframes(character, motions, point.keyframes);
+    Result<std::vector<Vec3>> sampled = sampleKeyframes(character, syntheticMotions(character), point.keyframes);
     if (!sampled) return sampled.error();
     mesh = character.mesh;
     positions = std::move(*sampled);

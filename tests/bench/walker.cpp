@@ -11,6 +11,8 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 
+#include <xxhash.h>
+
 namespace lorica::bench {
 
 std::vector<SkeletalMotion> syntheticMotions(const Character& character) {
@@ -20,6 +22,20 @@ std::vector<SkeletalMotion> syntheticMotions(const Character& character) {
     motions.push_back(perform(character.skeleton, shippedFrames(name)).value());
   }
   return motions;
+}
+
+std::vector<Affine3> bonesOf(const Character& character, std::span<const JointTransform> pose) {
+  std::vector<Affine3> matrices(pose.size());
+  computeWorldFromJoint(character.skeleton, pose, matrices);
+  computeWorldFromModel(character, matrices, matrices);
+  return matrices;
+}
+
+std::uint64_t hashOfHulls(const LiveBody& body, std::uint64_t seed) {
+  for (const LivePart& part : body.parts()) {
+    seed = XXH3_64bits_withSeed(part.shape.vertices.data(), part.shape.vertices.size() * sizeof(Vec3), seed);
+  }
+  return seed;
 }
 
 Result<Decomposition> decomposeMannequin(const Character& character, int parts) {
@@ -48,9 +64,7 @@ Result<Walker> makeWalker(int parts, int hullVertices) {
   Pose pose = restPose(character.skeleton);
   for (const SkeletonFrame& frame : shippedFrames("walk")) {
     retargeter->apply(frame, pose);
-    std::vector<Affine3>& matrices = walker.worldFromModel.emplace_back(pose.size());
-    computeWorldFromJoint(character.skeleton, pose, matrices);
-    computeWorldFromModel(character, matrices, matrices);
+    walker.worldFromModel.push_back(bonesOf(character, pose));
   }
   return walker;
 }

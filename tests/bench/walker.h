@@ -15,6 +15,12 @@ namespace lorica::bench {
 /// All shipped motions, retargeted to a character.
 [[nodiscard]] std::vector<SkeletalMotion> syntheticMotions(const Character& character);
 
+/// The matrices that skin a character in a pose.
+[[nodiscard]] std::vector<Affine3> bonesOf(const Character& character, std::span<const JointTransform> pose);
+
+/// Of the vertices of a body's hulls.
+[[nodiscard]] std::uint64_t hashOfHulls(const LiveBody& body, std::uint64_t seed);
+
 /// Decomposes the mannequin, trained on 12 keyframes of these motions.
 [[nodiscard]] Result<Decomposition> decomposeMannequin(const Character& character, int parts);
 
