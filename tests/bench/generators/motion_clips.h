@@ -16,6 +16,12 @@ namespace lorica::motion {
 inline const Vec3 kHang(0.065, -0.537, 0.055);
 inline const Vec3 kHangPole(0.25, 0.0, -1.0);
 
+/// A curve through keys whose values are degrees.
+[[nodiscard]] inline Track inDegrees(std::vector<TrackKey> keys) {
+  for (TrackKey& key : keys) key.value = degrees(key.value);
+  return Track(std::move(keys));
+}
+
 /// Feet side by side, slightly turned out.
 [[nodiscard]] inline Placement standing(Side side, double x = 0.0, double z = 0.0, double yaw = 0.0,
                                         double halfWidth = 0.095) {

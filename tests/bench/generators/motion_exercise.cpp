@@ -57,17 +57,11 @@ Performance jumpingJacks() {
   for (int jump = 0; jump < kJumps; ++jump) {
     const bool out = jump % 2 == 0;
     for (const Side side : {kLeft, kRight}) {
-      Step step;
-      step.lift = takeoff(jump);
-      step.land = takeoff(jump) + kFlight;
       const double halfWidth = (out ? 0.33 : 0.095) + random.between(-0.012, 0.012);
-      step.to = standing(side, 0.0, random.between(-0.012, 0.012), 0.0, halfWidth);
-      step.apex = 0.035;
-      step.offPitch = 0.55;
-      step.landPitch = 0.42;
-      step.rollTime = 0.14;
-      step.settleTime = 0.11;
-      (side == kLeft ? left : right).push_back(step);
+      const Placement to = standing(side, 0.0, random.between(-0.012, 0.012), 0.0, halfWidth);
+      // Rise, pitch at lift and at landing, roll time, settle time: see Step.
+      (side == kLeft ? left : right)
+          .push_back({takeoff(jump), takeoff(jump) + kFlight, to, 0.035, 0.55, 0.42, 0.14, 0.11});
     }
     const double land = takeoff(jump) + kFlight;
     arms.push_back({land + 0.05, out ? random.between(0.94, 1.0) : random.between(0.0, 0.04)});
@@ -290,47 +284,59 @@ Performance turnAround() {
   const auto around = [=](Side side, double yawDegrees) {
     return standing(side, 0.0, 0.0, degrees(yawDegrees), kHalfWidth);
   };
-  std::vector<Step> left, right;
-  const auto add = [&](Side side, double lift, double land, double yawDegrees) {
-    Step step;
-    step.lift = lift;
-    step.land = land;
-    step.to = around(side, yawDegrees);
-    step.apex = 0.045;
-    step.offPitch = 0.42;
-    step.landPitch = 0.12;
-    step.rollTime = 0.2;
-    step.settleTime = 0.14;
-    (side == kLeft ? left : right).push_back(step);
+  struct Turn {
+    double lift, land, yawDegrees;
   };
-  add(kLeft, 1.05, 1.43, 52.0);
-  add(kRight, 1.62, 2.02, 80.0);
-  add(kLeft, 2.2, 2.58, 128.0);
-  add(kRight, 2.76, 3.16, 165.0);
-  add(kLeft, 3.36, 3.74, 182.0);
-  // A pause with the back to the camera, then the rest of the turn.
-  add(kLeft, 5.0, 5.38, 235.0);
-  add(kRight, 5.56, 5.96, 262.0);
-  add(kLeft, 6.13, 6.5, 310.0);
-  add(kRight, 6.68, 7.1, 345.0);
-  add(kLeft, 7.28, 7.65, 361.0);
-  add(kRight, 7.95, 8.3, 360.0);
+  const auto steps = [&](Side side, std::initializer_list<Turn> turns) {
+    std::vector<Step> all;
+    for (const Turn& turn : turns) {
+      // Rise, pitch at lift and at landing, roll time, settle time: see Step.
+      all.push_back({turn.lift, turn.land, around(side, turn.yawDegrees), 0.045, 0.42, 0.12, 0.2, 0.14});
+    }
+    return FootPath(around(side, 0.0), std::move(all));
+  };
+  // A pause with the back to the camera from 3.74 to 5 s, then the rest of the turn.
   p.duration = 9.6;
-  p.leftFoot = FootPath(around(kLeft, 0.0), left);
-  p.rightFoot = FootPath(around(kRight, 0.0), right);
+  p.leftFoot = steps(kLeft, {{1.05, 1.43, 52.0},
+                             {2.2, 2.58, 128.0},
+                             {3.36, 3.74, 182.0},
+                             {5.0, 5.38, 235.0},
+                             {6.13, 6.5, 310.0},
+                             {7.28, 7.65, 361.0}});
+  p.rightFoot = steps(
+      kRight, {{1.62, 2.02, 80.0}, {2.76, 3.16, 165.0}, {5.56, 5.96, 262.0}, {6.68, 7.1, 345.0}, {7.95, 8.3, 360.0}});
   p.x = balanceOver(p.leftFoot, p.rightFoot, 0.1, 0.24, 0);
   p.z = balanceOver(p.leftFoot, p.rightFoot, 0.1, 0.24, 2);
 
-  const Track heading{{0.8, 0.0},          {1.45, degrees(27)},  {2.05, degrees(68)},  {2.6, degrees(105)},
-                      {3.2, degrees(148)}, {3.85, degrees(177)}, {4.7, degrees(180)},  {5.4, degrees(209)},
-                      {6.0, degrees(250)}, {6.55, degrees(287)}, {7.15, degrees(330)}, {7.8, degrees(357)},
-                      {8.4, degrees(360)}};
+  const Track heading = inDegrees({{0.8, 0.0},
+                                   {1.45, 27},
+                                   {2.05, 68},
+                                   {2.6, 105},
+                                   {3.2, 148},
+                                   {3.85, 177},
+                                   {4.7, 180},
+                                   {5.4, 209},
+                                   {6.0, 250},
+                                   {6.55, 287},
+                                   {7.15, 330},
+                                   {7.8, 357},
+                                   {8.4, 360}});
   p.heading = heading;
   // Eyes first, then shoulders, then hips.
-  const Track gaze{{0.4, 0.0},           {0.95, degrees(38)}, {1.6, degrees(78)},  {2.3, degrees(125)},
-                   {2.9, degrees(165)},  {3.4, degrees(188)}, {3.9, degrees(180)}, {4.5, degrees(178)},
-                   {4.95, degrees(222)}, {5.6, degrees(262)}, {6.3, degrees(315)}, {6.85, degrees(352)},
-                   {7.4, degrees(362)},  {8.2, degrees(360)}};
+  const Track gaze = inDegrees({{0.4, 0.0},
+                                {0.95, 38},
+                                {1.6, 78},
+                                {2.3, 125},
+                                {2.9, 165},
+                                {3.4, 188},
+                                {3.9, 180},
+                                {4.5, 178},
+                                {4.95, 222},
+                                {5.6, 262},
+                                {6.3, 315},
+                                {6.85, 352},
+                                {7.4, 362},
+                                {8.2, 360}});
   p.headYaw = gaze;
   p.chestTwist = [=](double t) { return 0.35 * (gaze(t - 0.05) - heading(t)); };
   const Track moving{{0.8, 0.0}, {1.4, 1.0}, {3.4, 1.0}, {4.1, 0.0}, {4.7, 0.0}, {5.3, 1.0}, {7.6, 1.0}, {8.5, 0.0}};
@@ -338,20 +344,17 @@ Performance turnAround() {
   p.height = [=](double t) { return 0.913 - 0.022 * moving(t); };
   p.chestPitch = [=](double t) { return 0.03 + 0.05 * moving(t); };
   // Arms swing out with the turn, the leading one more.
-  p.leftArm = [=](double t) {
-    const double turnRate = heading(t) - heading(t - 0.25);
-    ArmPose a = swungArm(degrees(3.0 - 14.0 * turnRate), degrees(8.0 + 9.0 * moving(t - 0.1)) + 0.1 * turnRate,
-                         degrees(18.0 + 14.0 * moving(t - 0.15)));
-    a.twist = 0.3;
-    return a;
+  const auto arm = [=](double lag, double before, double forward, double out, double fold) -> ArmCurve {
+    return [=](double t) {
+      const double turnRate = heading(t - lag) - heading(t - before);
+      ArmPose a = swungArm(degrees(3.0 + forward * turnRate), degrees(8.0 + out * moving(t - 0.1)) + 0.1 * turnRate,
+                           degrees(18.0 + fold * moving(t - 0.15)));
+      a.twist = 0.3;
+      return a;
+    };
   };
-  p.rightArm = [=](double t) {
-    const double turnRate = heading(t - 0.05) - heading(t - 0.3);
-    ArmPose a = swungArm(degrees(3.0 + 30.0 * turnRate), degrees(8.0 + 7.0 * moving(t - 0.1)) + 0.1 * turnRate,
-                         degrees(18.0 + 18.0 * moving(t - 0.15)));
-    a.twist = 0.3;
-    return a;
-  };
+  p.leftArm = arm(0.0, 0.25, -14.0, 9.0, 14.0);
+  p.rightArm = arm(0.05, 0.3, 30.0, 7.0, 18.0);
   return p;
 }
 

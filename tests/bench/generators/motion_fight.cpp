@@ -32,13 +32,8 @@ Performance punchAndKick() {
   const Placement leftRound{0.07, 0.14, degrees(58.0)};  // turned farther, for the roundhouse
 
   const auto shuffle = [](double lift, double land, Placement to, double off = 0.35) {
-    Step step{lift, land, to};
-    step.apex = 0.03;
-    step.offPitch = off;
-    step.landPitch = 0.08;
-    step.rollTime = 0.15;
-    step.settleTime = 0.1;
-    return step;
+    // Rise, pitch at lift and at landing, roll time, settle time: see Step.
+    return Step{lift, land, to, 0.03, off, 0.08, 0.15, 0.1};
   };
   Step frontKick = shuffle(6.12, 7.2, rightGuard, 0.6);
   frontKick.landPitch = 0.25;
@@ -53,21 +48,21 @@ Performance punchAndKick() {
   p.leftFoot = FootPath(
       leftStart, {shuffle(0.95, 1.25, leftGuard), shuffle(5.5, 5.75, leftPivot), shuffle(7.6, 7.88, leftGuard),
                   shuffle(9.3, 9.58, leftRound), shuffle(11.4, 11.7, leftGuard), shuffle(12.25, 12.6, leftStart)});
-  const Track rearHeel{{1.75, 0.0},
-                       {2.1, degrees(12.0)},
-                       {2.9, degrees(12.0)},
-                       {3.1, degrees(30.0)},
-                       {3.4, degrees(12.0)},
-                       {4.5, degrees(10.0)},
-                       {4.75, degrees(30.0)},
-                       {5.1, degrees(12.0)},
-                       {5.5, 0.0},
-                       {7.5, 0.0},
-                       {7.9, degrees(12.0)},
-                       {8.5, degrees(12.0)},
-                       {8.72, degrees(30.0)},
-                       {9.05, degrees(12.0)},
-                       {9.5, 0.0}};
+  const Track rearHeel = inDegrees({{1.75, 0},
+                                    {2.1, 12},
+                                    {2.9, 12},
+                                    {3.1, 30},
+                                    {3.4, 12},
+                                    {4.5, 10},
+                                    {4.75, 30},
+                                    {5.1, 12},
+                                    {5.5, 0},
+                                    {7.5, 0},
+                                    {7.9, 12},
+                                    {8.5, 12},
+                                    {8.72, 30},
+                                    {9.05, 12},
+                                    {9.5, 0}});
   p.rightFoot = FootPath(
       rightStart, {shuffle(1.3, 1.65, rightGuard), frontKick, roundKick, shuffle(12.75, 13.1, rightStart)}, rearHeel);
   const Curve balanceX = balanceOver(p.leftFoot, p.rightFoot, 0.12, 0.2, 0);
@@ -87,20 +82,15 @@ Performance punchAndKick() {
   p.height = [=](double t) { return low(t) + 0.005 * ready(t) * std::sin(2.0 * std::numbers::pi * 1.9 * t); };
 
   // Yaw of the hips [degrees]: guard -28; a jab turns them right, a cross left, a hook sharply right.
-  std::vector<TrackKey> hips{{0.9, 0},    {1.7, -28},  {2.05, -26}, {2.28, -36}, {2.55, -27}, {2.78, -36},
-                             {3.12, 12},  {3.5, -26},  {3.88, -8},  {4.2, -52},  {4.42, -44}, {4.72, 12},
-                             {5.2, -26},  {5.7, -24},  {6.3, -2},   {6.62, 14},  {6.9, 0},    {7.3, -28},
-                             {8.05, -26}, {8.32, -36}, {8.7, 12},   {9.15, -24}, {9.7, -22},  {10.2, 30},
-                             {10.5, 68},  {10.78, 45}, {11.2, -22}, {11.8, -27}, {12.3, -22}, {13.2, 0}};
-  std::vector<TrackKey> twist{{0.9, 0},     {1.7, -8},  {2.05, -6},  {2.3, -22},  {2.55, -8}, {2.8, -22}, {3.15, 18},
-                              {3.55, -8},   {3.92, 10}, {4.22, -12}, {4.45, -14}, {4.76, 18}, {5.25, -8}, {6.2, -8},
-                              {6.64, -16},  {7.3, -8},  {8.05, -6},  {8.35, -22}, {8.74, 18}, {9.2, -8},  {10.1, -14},
-                              {10.52, -34}, {11.2, -8}, {12.2, -8},  {13.2, 0}};
-  for (auto* keys : {&hips, &twist}) {
-    for (TrackKey& key : *keys) key.value = degrees(key.value);
-  }
-  p.heading = Track(hips);
-  p.chestTwist = Track(twist);
+  p.heading =
+      inDegrees({{0.9, 0},   {1.7, -28},  {2.05, -26}, {2.28, -36}, {2.55, -27}, {2.78, -36}, {3.12, 12}, {3.5, -26},
+                 {3.88, -8}, {4.2, -52},  {4.42, -44}, {4.72, 12},  {5.2, -26},  {5.7, -24},  {6.3, -2},  {6.62, 14},
+                 {6.9, 0},   {7.3, -28},  {8.05, -26}, {8.32, -36}, {8.7, 12},   {9.15, -24}, {9.7, -22}, {10.2, 30},
+                 {10.5, 68}, {10.78, 45}, {11.2, -22}, {11.8, -27}, {12.3, -22}, {13.2, 0}});
+  p.chestTwist = inDegrees({{0.9, 0},     {1.7, -8},  {2.05, -6},  {2.3, -22},  {2.55, -8}, {2.8, -22}, {3.15, 18},
+                            {3.55, -8},   {3.92, 10}, {4.22, -12}, {4.45, -14}, {4.76, 18}, {5.25, -8}, {6.2, -8},
+                            {6.64, -16},  {7.3, -8},  {8.05, -6},  {8.35, -22}, {8.74, 18}, {9.2, -8},  {10.1, -14},
+                            {10.52, -34}, {11.2, -8}, {12.2, -8},  {13.2, 0}});
   p.pelvisPitch = Track{{0.9, 0.0},  {1.8, 0.10}, {6.0, 0.10},   {6.35, -0.10}, {6.62, -0.26}, {6.9, -0.08},
                         {7.3, 0.10}, {9.8, 0.10}, {10.5, -0.02}, {11.1, 0.10},  {12.2, 0.08},  {13.2, 0.0}};
   p.pelvisRoll = Track{{9.8, 0.0}, {10.25, -0.28}, {10.5, -0.46}, {10.78, -0.28}, {11.15, 0.0}};
@@ -122,56 +112,34 @@ Performance punchAndKick() {
   const Vec3 cross = fistAhead(kRight, degrees(30.0), 0.535, 0.03, degrees(6.0));
   const ArmKey guardL{0.0, lead, guardPole, 0.25, 0.0};
   const ArmKey guardR{0.0, rear, guardPole, 0.25, 0.0};
-  const auto at = [](double time, ArmKey key) {
-    key.time = time;
-    return key;
+  using Moments = std::vector<std::pair<double, const ArmKey*>>;
+  const auto through = [](const Moments& moments) {
+    std::vector<ArmKey> keys;
+    for (const auto& [time, key] : moments) {
+      keys.push_back(*key);
+      keys.back().time = time;
+    }
+    return armThrough(keys);
   };
-  const ArmKey jabKey{0.0, jab, punchPole, flat, 0.0};
-  const ArmKey crossKey{0.0, cross, punchPole, flat, 0.0};
+  const ArmKey hang{0.0, kHang, kHangPole, 0.1};
+  const ArmKey jabL{0.0, jab, punchPole, flat, 0.0};
+  const ArmKey crossR{0.0, cross, punchPole, flat, 0.0};
   const ArmKey hookBack{0.0, {0.15, -0.06, 0.25}, {0.8, -0.75, -0.2}, 0.4, 0.0};
   const ArmKey hookHit{0.0, {-0.04, 0.05, 0.37}, {1.0, 0.12, 0.1}, 0.6, 0.15};
-  const ArmKey swingDown{0.0, {0.12, -0.36, 0.10}, {0.5, -0.2, -1.0}, 0.3, 0.0};
-  p.leftArm = armThrough({{0.75, kHang, kHangPole, 0.1},
-                          at(1.65, guardL),
-                          at(2.04, guardL),
-                          at(2.28, jabKey),
-                          at(2.54, guardL),
-                          at(2.78, jabKey),
-                          at(3.06, guardL),
-                          at(3.62, guardL),
-                          at(3.92, hookBack),
-                          at(4.2, hookHit),
-                          at(4.52, guardL),
-                          at(6.2, guardL),
-                          at(6.62, {0.0, {0.05, -0.05, 0.26}, guardPole, 0.25}),
-                          at(7.2, guardL),
-                          at(8.06, guardL),
-                          at(8.31, jabKey),
-                          at(8.6, guardL),
-                          at(10.0, guardL),
-                          at(10.5, {0.0, {0.0, 0.02, 0.25}, guardPole, 0.25}),
-                          at(11.1, guardL),
-                          at(12.2, guardL),
-                          {13.35, kHang, kHangPole, 0.1}});
-  p.rightArm = armThrough({{0.8, kHang, kHangPole, 0.1},
-                           at(1.75, guardR),
-                           at(2.84, guardR),
-                           at(3.12, crossKey),
-                           at(3.44, guardR),
-                           at(4.44, guardR),
-                           at(4.72, crossKey),
-                           at(5.06, guardR),
-                           at(6.15, guardR),
-                           at(6.6, swingDown),
-                           at(7.15, guardR),
-                           at(8.42, guardR),
-                           at(8.7, crossKey),
-                           at(9.04, guardR),
-                           at(9.95, guardR),
-                           at(10.5, swingDown),
-                           at(11.1, guardR),
-                           at(12.25, guardR),
-                           {13.45, kHang, kHangPole, 0.1}});
+  const ArmKey lowL{0.0, {0.05, -0.05, 0.26}, guardPole, 0.25};
+  const ArmKey highL{0.0, {0.0, 0.02, 0.25}, guardPole, 0.25};
+  const ArmKey armDown{0.0, {0.12, -0.36, 0.10}, {0.5, -0.2, -1.0}, 0.3, 0.0};
+  const Moments left{{0.75, &hang},   {1.65, &guardL}, {2.04, &guardL}, {2.28, &jabL},     {2.54, &guardL},
+                     {2.78, &jabL},   {3.06, &guardL}, {3.62, &guardL}, {3.92, &hookBack}, {4.2, &hookHit},
+                     {4.52, &guardL}, {6.2, &guardL},  {6.62, &lowL},   {7.2, &guardL},    {8.06, &guardL},
+                     {8.31, &jabL},   {8.6, &guardL},  {10.0, &guardL}, {10.5, &highL},    {11.1, &guardL},
+                     {12.2, &guardL}, {13.35, &hang}};
+  p.leftArm = through(left);
+  const Moments right{{0.8, &hang},     {1.75, &guardR}, {2.84, &guardR},  {3.12, &crossR}, {3.44, &guardR},
+                      {4.44, &guardR},  {4.72, &crossR}, {5.06, &guardR},  {6.15, &guardR}, {6.6, &armDown},
+                      {7.15, &guardR},  {8.42, &guardR}, {8.7, &crossR},   {9.04, &guardR}, {9.95, &guardR},
+                      {10.5, &armDown}, {11.1, &guardR}, {12.25, &guardR}, {13.45, &hang}};
+  p.rightArm = through(right);
   return p;
 }
 
