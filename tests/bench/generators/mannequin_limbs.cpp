@@ -71,62 +71,49 @@ constexpr double kWebDistance = 0.027;  ///< from the knuckle to the first free 
   return static_cast<HumanBone>(static_cast<int>(bone) + steps);
 }
 
-/// A square ring about `along` with corners on a circle: (top, -side), (bottom, -side), (bottom, +side), (top, +side).
-[[nodiscard]] HalfCage::Ring addSquareRing(HalfCage& cage, const Vec3& centre, const Vec3& along, double radius,
-                                           const BoneWeights& weights) {
-  const Vec3 side = Vec3::UnitY().cross(along).normalized();
-  const Vec3 up = along.cross(side).normalized();
-  const double r = radius * std::numbers::sqrt2 / 2.0;
-  HalfCage::Ring ring;
-  for (const auto& [u, s] : {std::pair{1.0, -1.0}, {-1.0, -1.0}, {-1.0, 1.0}, {1.0, 1.0}}) {
-    ring.push_back(cage.addPoint(centre + r * u * up + r * s * side, weights));
-  }
-  return ring;
-}
+/// A square ring of a finger: corners on a circle about `along`.
+struct DigitRing {
+  Vec3 centre, along;
+  double radius;
+  BoneWeights weights;
+};
 
-void addFinger(HalfCage& cage, HalfCage::Ring ring, const Finger& finger) {
-  const HumanBone bones[3] = {finger.proximal, nextBone(finger.proximal), nextBone(finger.proximal, 2)};
-  const Vec3 joints[3] = {mannequinJoint(bones[0]), mannequinJoint(bones[1]), mannequinJoint(bones[2])};
-  const Vec3 along[3] = {(joints[1] - joints[0]).normalized(), (joints[2] - joints[1]).normalized(),
-                         (joints[2] - joints[1]).normalized()};
-  const double web = finger.proximal == kLeftLittleProximal ? 0.8 * kWebDistance : kWebDistance;
-  const struct {
-    Vec3 centre, along;
-    BoneWeights weights;
-  } rings[4] = {
-      {joints[0] + web * along[0], along[0], {{bones[0], 1.0}}},
-      {joints[1], along[1], between(bones[0], bones[1], 0.5)},
-      {joints[2], along[2], between(bones[1], bones[2], 0.5)},
-      {joints[2] + (finger.lastLength - 0.004) * along[2], along[2], {{bones[2], 1.0}}},
-  };
-  for (int i = 0; i < 4; ++i) {
-    const HalfCage::Ring next =
-        addSquareRing(cage, rings[i].centre, rings[i].along, finger.radius[i], rings[i].weights);
+/// Extends a ring of four points by others. Corners: (top, -side), (bottom, -side), (bottom, +side), (top, +side).
+void addDigit(HalfCage& cage, HalfCage::Ring ring, std::initializer_list<DigitRing> rings) {
+  for (const auto& [centre, along, radius, weights] : rings) {
+    const Vec3 side = Vec3::UnitY().cross(along).normalized();
+    const Vec3 up = along.cross(side).normalized();
+    const double r = radius * std::numbers::sqrt2 / 2.0;
+    HalfCage::Ring next;
+    for (const auto& [u, s] : {std::pair{1.0, -1.0}, {-1.0, -1.0}, {-1.0, 1.0}, {1.0, 1.0}}) {
+      next.push_back(cage.addPoint(centre + r * u * up + r * s * side, weights));
+    }
     cage.bridge(ring, next);
     ring = next;
   }
   cage.addFace(ring);
 }
 
-void addThumb(HalfCage& cage, HalfCage::Ring ring) {
+void addFinger(HalfCage& cage, const HalfCage::Ring& ring, const Finger& finger) {
+  const HumanBone bones[3] = {finger.proximal, nextBone(finger.proximal), nextBone(finger.proximal, 2)};
+  const Vec3 joints[3] = {mannequinJoint(bones[0]), mannequinJoint(bones[1]), mannequinJoint(bones[2])};
+  const Vec3 first = (joints[1] - joints[0]).normalized(), rest = (joints[2] - joints[1]).normalized();
+  const double web = finger.proximal == kLeftLittleProximal ? 0.8 * kWebDistance : kWebDistance;
+  addDigit(cage, ring,
+           {{joints[0] + web * first, first, finger.radius[0], {{bones[0], 1.0}}},
+            {joints[1], rest, finger.radius[1], between(bones[0], bones[1], 0.5)},
+            {joints[2], rest, finger.radius[2], between(bones[1], bones[2], 0.5)},
+            {joints[2] + (finger.lastLength - 0.004) * rest, rest, finger.radius[3], {{bones[2], 1.0}}}});
+}
+
+void addThumb(HalfCage& cage, const HalfCage::Ring& ring) {
   const Vec3 mcp = mannequinJoint(kLeftThumbProximal);
   const Vec3 ip = mannequinJoint(kLeftThumbDistal);
   const Vec3 along = (ip - mcp).normalized();
-  const struct {
-    Vec3 centre;
-    double radius;
-    BoneWeights weights;
-  } rings[3] = {
-      {mcp, 0.0140, between(kLeftThumbMetacarpal, kLeftThumbProximal, 0.5)},
-      {ip, 0.0112, between(kLeftThumbProximal, kLeftThumbDistal, 0.5)},
-      {ip + 0.024 * along, 0.0080, {{kLeftThumbDistal, 1.0}}},
-  };
-  for (const auto& r : rings) {
-    HalfCage::Ring next = addSquareRing(cage, r.centre, along, r.radius, r.weights);
-    cage.bridge(ring, next);
-    ring = next;
-  }
-  cage.addFace(ring);
+  addDigit(cage, ring,
+           {{mcp, along, 0.0140, between(kLeftThumbMetacarpal, kLeftThumbProximal, 0.5)},
+            {ip, along, 0.0112, between(kLeftThumbProximal, kLeftThumbDistal, 0.5)},
+            {ip + 0.024 * along, along, 0.0080, {{kLeftThumbDistal, 1.0}}}});
 }
 
 /// A section of the leg across Y, or of the foot across the curve that leads from the shin to the sole.

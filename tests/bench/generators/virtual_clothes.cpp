@@ -103,6 +103,26 @@ class Tailor {
             (half.y() + ease * unit_) * other};
   }
 
+  /// A level ring around the hips' axis at a height.
+  [[nodiscard]] Ring level(double height, std::initializer_list<B> bones, double ease) const {
+    return around({at(B::kHips).x(), height, at(B::kHips).z()}, -Vec3::UnitY(), Vec3::UnitX(), bones, ease);
+  }
+
+  /// Level rings from the top to the hem, where the distance from the skin is larger by `flare` [m]. After a part of
+  /// the way each is at least as wide as the one before: cloth hangs down.
+  [[nodiscard]] std::vector<Ring> hanging(int count, double top, double hem, std::initializer_list<B> bones,
+                                          double ease, double flare, double from) const {
+    std::vector<Ring> rings;
+    for (int r = 0; r < count; ++r) {
+      const double part = static_cast<double>(r) / (count - 1);
+      Ring ring = level(top + part * (hem - top), bones, ease + flare * part);
+      if (part > from && ring.a.norm() < rings.back().a.norm()) ring.a = rings.back().a;
+      if (part > from && ring.b.norm() < rings.back().b.norm()) ring.b = rings.back().b;
+      rings.push_back(ring);
+    }
+    return rings;
+  }
+
   /// Adds the closed surface through rings. @param weigh  (position, influences to fill)
   template <typename Weigh>
   void addTube(std::span<const Ring> rings, const Weigh& weigh) {
@@ -210,10 +230,7 @@ class Tailor {
     const double hip = at(B::kLeftUpperLeg).y();
     std::vector<Ring> rings;
     for (const double y : {0.10, 0.05, 0.0, -0.05, -0.10}) {
-      Vec3 centre = at(B::kHips);
-      centre.y() = hip + y * unit_;
-      rings.push_back(around(centre, -Vec3::UnitY(), Vec3::UnitX(),
-                             {B::kHips, B::kSpine, B::kLeftUpperLeg, B::kRightUpperLeg}, 0.015));
+      rings.push_back(level(hip + y * unit_, {B::kHips, B::kSpine, B::kLeftUpperLeg, B::kRightUpperLeg}, 0.015));
     }
     addTube(rings,
             [&](const Vec3& position, std::vector<Influence>& weights) { weighBelowWaist(position, 0.6, weights); });
@@ -225,19 +242,9 @@ class Tailor {
     if (!has({B::kHips, B::kLeftUpperLeg, B::kRightUpperLeg, B::kLeftLowerLeg})) return;
     const double waist = at(B::kLeftUpperLeg).y() + 0.12 * unit_;
     const double hem = at(B::kLeftLowerLeg).y() - 0.10 * unit_;
-    constexpr int kRings = 12;
-    std::vector<Ring> rings;
-    rings.reserve(kRings);
-    for (int r = 0; r < kRings; ++r) {
-      const double part = static_cast<double>(r) / (kRings - 1);
-      Vec3 centre = at(B::kHips);
-      centre.y() = waist + part * (hem - waist);
-      rings.push_back(
-          around(centre, -Vec3::UnitY(), Vec3::UnitX(),
-                 {B::kHips, B::kSpine, B::kLeftUpperLeg, B::kRightUpperLeg, B::kLeftLowerLeg, B::kRightLowerLeg},
-                 0.015 + 0.11 * part));
-      widen(rings);
-    }
+    const std::vector<Ring> rings = hanging(
+        12, waist, hem, {B::kHips, B::kSpine, B::kLeftUpperLeg, B::kRightUpperLeg, B::kLeftLowerLeg, B::kRightLowerLeg},
+        0.015, 0.11, 0.0);
     addTube(rings,
             [&](const Vec3& position, std::vector<Influence>& weights) { weighBelowWaist(position, 0.85, weights); });
   }
@@ -247,19 +254,10 @@ class Tailor {
     const double top = at(B::kNeck).y() - 0.01 * unit_;
     const double hip = at(B::kLeftUpperLeg).y();
     const double hem = at(B::kLeftLowerLeg).y() + 0.10 * unit_;
-    constexpr int kRings = 24;
-    std::vector<Ring> rings;
-    rings.reserve(kRings);
-    for (int r = 0; r < kRings; ++r) {
-      const double part = static_cast<double>(r) / (kRings - 1);
-      Vec3 centre = at(B::kHips);
-      centre.y() = top + part * (hem - top);
-      rings.push_back(around(centre, -Vec3::UnitY(), Vec3::UnitX(),
-                             {B::kHips, B::kSpine, B::kChest, B::kUpperChest, B::kLeftUpperLeg, B::kRightUpperLeg},
-                             0.025 + 0.06 * part));
-      // From the chest down it hangs; its shoulders follow the body.
-      if (part > 0.25) widen(rings);
-    }
+    // From the chest down it hangs; its shoulders follow the body.
+    const std::vector<Ring> rings =
+        hanging(24, top, hem, {B::kHips, B::kSpine, B::kChest, B::kUpperChest, B::kLeftUpperLeg, B::kRightUpperLeg},
+                0.025, 0.06, 0.25);
     addTube(rings, [&](const Vec3& position, std::vector<Influence>& weights) {
       if (position.y() > hip + 0.05 * unit_) {
         weighTrunk(position.y(), weights);
@@ -305,15 +303,6 @@ class Tailor {
       weighTrunk(std::min(position.y(), neck.y() - 0.05 * unit_), back);
       for (const Influence& one : back) weights.push_back({one.joint, carried * one.weight});
     });
-  }
-
-  /// Makes the last ring at least as wide as the one before: cloth hangs down.
-  static void widen(std::vector<Ring>& rings) {
-    if (rings.size() < 2) return;
-    Ring& ring = rings.back();
-    const Ring& before = rings[rings.size() - 2];
-    if (ring.a.norm() < before.a.norm()) ring.a = before.a;
-    if (ring.b.norm() < before.b.norm()) ring.b = before.b;
   }
 
   Character dressed_;
