@@ -209,22 +209,14 @@ SkeletalMotion poseLibrary(const Skeleton& skeleton, int count, Dice& dice, std:
 }
 
 std::vector<Clothes> randomClothes(Dice& dice) {
-  switch (dice.below(12)) {
-    case 0:
-      return {Clothes::kTrousers};
-    case 1:
-      return {Clothes::kSkirt};
-    case 2:
-      return {Clothes::kCoat};
-    case 3:
-      return {Clothes::kHair};
-    case 4:
-      return {Clothes::kTrousers, Clothes::kHair};
-    case 5:
-      return {Clothes::kCoat, Clothes::kTrousers};
-    default:
-      return {};
-  }
+  const std::array<std::vector<Clothes>, 6> some = {{{Clothes::kTrousers},
+                                                     {Clothes::kSkirt},
+                                                     {Clothes::kCoat},
+                                                     {Clothes::kHair},
+                                                     {Clothes::kTrousers, Clothes::kHair},
+                                                     {Clothes::kCoat, Clothes::kTrousers}}};
+  const auto one = static_cast<std::size_t>(dice.below(12));
+  return one < some.size() ? some[one] : std::vector<Clothes>();
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ Furniture chair(Builder b) {
   return b.take({w + 0.05, top, d + 0.08});
 }
 
-Furniture sofa(Builder b, double minWidth, double maxWidth) {
+Furniture seats(Builder b, double minWidth, double maxWidth) {
   const double w = b.between(minWidth, maxWidth), d = b.between(0.38, 0.5), seat = b.between(0.36, 0.48);
   const double top = b.between(0.7, 1.05), rest = b.between(0.5, 0.72), thick = b.between(0.1, 0.22);
   const bool soft = b.happens(0.6);
@@ -187,6 +187,14 @@ Furniture sofa(Builder b, double minWidth, double maxWidth) {
     b.blob(at, {0.22, 0.2, b.between(0.05, 0.12)}, 0.6, 0.05);
   }
   return b.take({w + 0.6 * thick, top, d + 0.5 * thick});
+}
+
+Furniture armchair(Builder b) {
+  return seats(b, 0.35, 0.5);
+}
+
+Furniture sofa(Builder b) {
+  return seats(b, 0.65, 1.2);
 }
 
 Furniture shelf(Builder b) {
@@ -340,36 +348,9 @@ void Furniture::draw(const Isometry3& cameraFromWorld, DepthRenderer& renderer) 
 }
 
 Furniture makeFurniture(FurnitureKind kind, RandomNumbers& random) {
-  Builder b(random);
-  switch (kind) {
-    case FurnitureKind::kTable:
-      return table(b);
-    case FurnitureKind::kChair:
-      return chair(b);
-    case FurnitureKind::kArmchair:
-      return sofa(b, 0.35, 0.5);
-    case FurnitureKind::kSofa:
-      return sofa(b, 0.65, 1.2);
-    case FurnitureKind::kShelf:
-      return shelf(b);
-    case FurnitureKind::kCupboard:
-      return cupboard(b);
-    case FurnitureKind::kPlant:
-      return plant(b);
-    case FurnitureKind::kCoatStand:
-      return coatStand(b);
-    case FurnitureKind::kBed:
-      return bed(b);
-    case FurnitureKind::kCurtain:
-      return curtain(b);
-    case FurnitureKind::kDoorFrame:
-      return doorFrame(b);
-    case FurnitureKind::kHeap:
-      return heap(b);
-    case FurnitureKind::kDesk:
-      return desk(b);
-  }
-  return {};
+  constexpr std::array<Furniture (*)(Builder), kFurnitureKindCount> kMakers = {
+      table, chair, armchair, sofa, shelf, cupboard, plant, coatStand, bed, curtain, doorFrame, heap, desk};
+  return kMakers[static_cast<std::size_t>(kind)](Builder(random));
 }
 
 Furniture makeSeat(double height, RandomNumbers& random) {
