@@ -47,8 +47,19 @@ struct Images {
   }
 };
 
-/// Values of real and rendered images for each row.
-using Row = std::function<double(const std::vector<Images>&)>;
+using Sequences = std::vector<Images>;
+
+/// Calls act(image, frame, x, y) for the pixels of every n-th frame that have so many others on each side.
+template <typename Act>
+void eachPixel(const Sequences& all, std::size_t every, int sideX, int sideY, const Act& act) {
+  for (const Images& one : all) {
+    for (std::size_t f = 0; f < one.depth.size(); f += every) {
+      for (int y = sideY; y + sideY < one.height; ++y) {
+        for (int x = sideX; x + sideX < one.width; ++x) act(one, f, x, y);
+      }
+    }
+  }
+}
 
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
@@ -57,78 +68,61 @@ double rms(const std::vector<double>& values) {
 }
 
 /// Noise from second differences along a direction: what is smooth over twice the distance does not count [steps].
-double neighbourNoise(const std::vector<Images>& all, int dx, int dy) {
+double neighbourNoise(const Sequences& all, int dx, int dy) {
   std::vector<double> values;
-  for (const Images& one : all) {
-    for (std::size_t f = 0; f < one.depth.size(); f += 5) {
-      for (int y = dy; y + dy < one.height; ++y) {
-        for (int x = dx; x + dx < one.width; ++x) {
-          const double second = one.steps(f, x - dx, y - dy) - 2.0 * one.steps(f, x, y) + one.steps(f, x + dx, y + dy);
-          if (std::abs(second) < 12.0) values.push_back(second);
-        }
-      }
-    }
-  }
+  eachPixel(all, 5, dx, dy, [&](const Images& one, std::size_t f, int x, int y) {
+    const double second = one.steps(f, x - dx, y - dy) - 2.0 * one.steps(f, x, y) + one.steps(f, x + dx, y + dy);
+    if (std::abs(second) < 12.0) values.push_back(second);
+  });
   return rms(values) / std::sqrt(6.0);
 }
 
 /// Pixels that do not drift during kStill frames: share of those that do not change at all, or deviation of all
 /// [steps].
-double stillPixels(const std::vector<Images>& all, bool share) {
+double stillPixels(const Sequences& all, bool share) {
   int still = 0;
   std::vector<double> deviations;
-  for (const Images& one : all) {
-    for (std::size_t f = 0; f + kStill <= one.depth.size(); f += kStill) {
-      for (int y = 0; y < one.height; ++y) {
-        for (int x = 0; x < one.width; ++x) {
-          std::array<double, kStill> s{};
-          double mean = 0.0, slope = 0.0, square = 0.0;
-          for (int t = 0; t < kStill; ++t) {
-            s[static_cast<std::size_t>(t)] = one.steps(f + static_cast<std::size_t>(t), x, y);
-            mean += s[static_cast<std::size_t>(t)] / kStill;
-            slope += (t - 0.5 * (kStill - 1)) * s[static_cast<std::size_t>(t)];
-          }
-          constexpr double kSquares = kStill * (kStill * kStill - 1.0) / 12.0;
-          if (!(std::abs(slope / kSquares) < 0.03)) continue;
-          for (const double value : s) square += (value - mean) * (value - mean);
-          deviations.push_back(std::sqrt(square / (kStill - 1)));
-          still += static_cast<int>(square < 0.02);
-        }
-      }
+  eachPixel(all, kStill, 0, 0, [&](const Images& one, std::size_t f, int x, int y) {
+    if (f + kStill > one.depth.size()) return;
+    std::array<double, kStill> s{};
+    double mean = 0.0, slope = 0.0, square = 0.0;
+    for (int t = 0; t < kStill; ++t) {
+      s[static_cast<std::size_t>(t)] = one.steps(f + static_cast<std::size_t>(t), x, y);
+      mean += s[static_cast<std::size_t>(t)] / kStill;
+      slope += (t - 0.5 * (kStill - 1)) * s[static_cast<std::size_t>(t)];
     }
-  }
+    constexpr double kSquares = kStill * (kStill * kStill - 1.0) / 12.0;
+    if (!(std::abs(slope / kSquares) < 0.03)) return;
+    for (const double value : s) square += (value - mean) * (value - mean);
+    deviations.push_back(std::sqrt(square / (kStill - 1)));
+    still += static_cast<int>(square < 0.02);
+  });
   return share ? 100.0 * still / static_cast<double>(std::max<std::size_t>(deviations.size(), 1)) : rms(deviations);
 }
 
 /// Missing pixels with measured ones near on all four sides, in percent of the measured.
-double enclosedHoles(const std::vector<Images>& all) {
+double enclosedHoles(const Sequences& all) {
   constexpr int kNear = 6;
   double holes = 0.0, measured = 0.0;
-  for (const Images& one : all) {
-    for (std::size_t f = 0; f < one.depth.size(); f += 5) {
-      for (int y = kNear; y + kNear < one.height; ++y) {
-        for (int x = kNear; x + kNear < one.width; ++x) {
-          if (one.at(f, x, y) > 0.0) {
-            measured += 1.0;
-            continue;
-          }
-          std::array<bool, 4> sides{};
-          for (int d = 1; d <= kNear; ++d) {
-            sides[0] = sides[0] || one.at(f, x - d, y) > 0.0;
-            sides[1] = sides[1] || one.at(f, x + d, y) > 0.0;
-            sides[2] = sides[2] || one.at(f, x, y - d) > 0.0;
-            sides[3] = sides[3] || one.at(f, x, y + d) > 0.0;
-          }
-          holes += sides[0] && sides[1] && sides[2] && sides[3] ? 1.0 : 0.0;
-        }
-      }
+  eachPixel(all, 5, kNear, kNear, [&](const Images& one, std::size_t f, int x, int y) {
+    if (one.at(f, x, y) > 0.0) {
+      measured += 1.0;
+      return;
     }
-  }
+    std::array<bool, 4> sides{};
+    for (int d = 1; d <= kNear; ++d) {
+      sides[0] = sides[0] || one.at(f, x - d, y) > 0.0;
+      sides[1] = sides[1] || one.at(f, x + d, y) > 0.0;
+      sides[2] = sides[2] || one.at(f, x, y - d) > 0.0;
+      sides[3] = sides[3] || one.at(f, x, y + d) > 0.0;
+    }
+    holes += sides[0] && sides[1] && sides[2] && sides[3] ? 1.0 : 0.0;
+  });
   return 100.0 * holes / std::max(measured, 1.0);
 }
 
 /// How much the outline jumps from row to row, or in a row from frame to frame [pixels].
-double outlineJitter(const std::vector<Images>& all, bool left, bool inTime) {
+double outlineJitter(const Sequences& all, bool left, bool inTime) {
   std::vector<double> values;
   for (const Images& one : all) {
     const auto edge = [&](std::size_t f, int y) {
@@ -154,7 +148,7 @@ struct Flat {
   double residual = 0.0;                ///< first quartile of the windows [steps]
   std::array<double, 3> correlation{};  ///< at 1, 2 and 3 pixels, mean of both axes
 };
-Flat flatness(const std::vector<Images>& all, double from, double to) {
+Flat flatness(const Sequences& all, double from, double to) {
   constexpr int kHalf = 6, kSide = 2 * kHalf + 1;
   struct Window {
     double residual;
@@ -200,7 +194,7 @@ Flat flatness(const std::vector<Images>& all, double from, double to) {
 
 /// Missing pixels between a near and a far surface of a row, whose parallax is 2 to 6 pixels: median, as a share of the
 /// parallax on the projector's side, and in pixels on the other.
-double edgeGap(const std::vector<Images>& all, bool shadow) {
+double edgeGap(const Sequences& all, bool shadow) {
   std::vector<double> gaps;
   for (const Images& one : all) {
     const double stepsPerPixel = 8.0 * 640.0 / one.width;
@@ -221,7 +215,7 @@ double edgeGap(const std::vector<Images>& all, bool shadow) {
   return gaps.empty() ? 0.0 : atRank(gaps, 0.5);
 }
 
-double missing(const std::vector<Images>& all) {
+double missing(const Sequences& all) {
   double none = 0.0, count = 0.0;
   for (const Images& one : all) {
     for (const std::vector<double>& frame : one.depth) {
@@ -233,48 +227,37 @@ double missing(const std::vector<Images>& all) {
 }
 
 /// Change of 1/z of pixels from frame to frame, divided by the square root of two [1/m]. What moves is left out.
-double change(const Images& one, std::size_t f, std::size_t pixel) {
-  const double a = one.depth[f][pixel], b = one.depth[f + 1][pixel];
+double change(const Images& one, std::size_t f, int x, int y) {
+  const double a = one.at(f, x, y), b = f + 1 < one.depth.size() ? one.at(f + 1, x, y) : 0.0;
   const double value = a > 0.0 && b > 0.0 ? (1.0 / a - 1.0 / b) / std::numbers::sqrt2 : 1.0;
   return std::abs(value) < 0.015 ? value : std::nan("");
 }
 
-double changePerFrame(const std::vector<Images>& all, double from, double to) {
+double changePerFrame(const Sequences& all, double from, double to) {
   std::vector<double> values;
-  for (const Images& one : all) {
-    for (std::size_t f = 0; f + 1 < one.depth.size(); f += 3) {
-      for (std::size_t i = 0; i < one.depth[f].size(); ++i) {
-        const double value = change(one, f, i);
-        if (!std::isnan(value) && one.depth[f][i] >= from && one.depth[f][i] < to) values.push_back(std::abs(value));
-      }
-    }
-  }
+  eachPixel(all, 3, 0, 0, [&](const Images& one, std::size_t f, int x, int y) {
+    const double value = change(one, f, x, y), depth = one.at(f, x, y);
+    if (!std::isnan(value) && depth >= from && depth < to) values.push_back(std::abs(value));
+  });
   return values.empty() ? 0.0 : 1e3 * 1.4826 * atRank(values, 0.5);
 }
 
-double changeCorrelation(const std::vector<Images>& all, int lag) {
+double changeCorrelation(const Sequences& all, int lag) {
   double both = 0.0, squares = 0.0;
-  for (const Images& one : all) {
-    for (std::size_t f = 0; f + 1 < one.depth.size(); f += 3) {
-      for (int y = 0; y + lag < one.height; ++y) {
-        for (int x = 0; x + lag < one.width; ++x) {
-          const auto i = static_cast<std::size_t>(y * one.width + x);
-          for (const std::size_t other :
-               {i + static_cast<std::size_t>(lag), i + static_cast<std::size_t>(lag * one.width)}) {
-            const double a = change(one, f, i), b = change(one, f, other);
-            if (std::isnan(a) || std::isnan(b)) continue;
-            both += a * b;
-            squares += a * a;
-          }
-        }
-      }
+  eachPixel(all, 3, 0, 0, [&](const Images& one, std::size_t f, int x, int y) {
+    if (x + lag >= one.width || y + lag >= one.height) return;
+    for (const auto& [otherX, otherY] : {std::pair{x + lag, y}, std::pair{x, y + lag}}) {
+      const double a = change(one, f, x, y), b = change(one, f, otherX, otherY);
+      if (std::isnan(a) || std::isnan(b)) continue;
+      both += a * b;
+      squares += a * a;
     }
-  }
+  });
   return squares > 0.0 ? both / squares : 0.0;
 }
 
 /// Width of the ramps between flat surfaces whose depths differ by more than a fifth, from 15 to 85 % [pixels].
-double rampWidth(const std::vector<Images>& all) {
+double rampWidth(const Sequences& all) {
   constexpr int kSpan = 24;
   std::vector<double> widths;
   for (const Images& one : all) {
@@ -296,11 +279,16 @@ double rampWidth(const std::vector<Images>& all) {
   return widths.empty() ? 0.0 : atRank(widths, 0.5);
 }
 
-void print(const std::string& camera, const std::string& name, const std::vector<Images>& real,
-           const std::vector<Images>& rendered, const Row& row) {
-  fmt::print("{},{},{:.3g},{:.3g}\n", csvField(camera), name, row(real), row(rendered));
-  std::fflush(stdout);
-}
+/// What a camera's real images and rendered ones are compared by.
+struct Comparison {
+  std::string camera;
+  Sequences real, rendered;
+
+  void print(const std::string& statistic, const std::function<double(const Sequences&)>& value) const {
+    fmt::print("{},{},{:.3g},{:.3g}\n", csvField(camera), statistic, value(real), value(rendered));
+    std::fflush(stdout);
+  }
+};
 
 std::vector<double> metres(std::span<const std::uint16_t> depthMm) {
   std::vector<double> result;
@@ -340,12 +328,6 @@ double sizeOf(const Joints& joints) {
   const double legs = (at(J::kLeftHip) - at(J::kLeftKnee)).norm() + (at(J::kLeftKnee) - at(J::kLeftFoot)).norm() +
                       (at(J::kRightHip) - at(J::kRightKnee)).norm() + (at(J::kRightKnee) - at(J::kRightFoot)).norm();
   return 0.5 * legs + (at(J::kNeck) - 0.5 * (at(J::kLeftHip) + at(J::kRightHip))).norm();
-}
-
-Joints positionsOf(const SkeletonFrame& frame) {
-  Joints joints;
-  for (std::size_t j = 0; j < kBodyJointCount; ++j) joints[j] = frame.joints[j].position;
-  return joints;
 }
 
 /// Bodies of the recorded people's sizes, 10 % wider than the tracker's model, repeat their joints at the same places
@@ -413,39 +395,37 @@ Result<void> measureKinect(const fs::path& folder) {
   if (!recordings) return recordings.error();
   const Result<Joints> offsets = readOffsets(folder / "offsets.json");
   if (!offsets) return offsets.error();
-  std::vector<Images> real, rendered;
+  Comparison both{"Kinect v1, people", {}, {}};
   for (const RealRecording& recording : *recordings) {
     Result<Images> images = readImages(recording.file, 150);
     if (!images) return images.error();
     const DepthCamera camera = (*openOni(recording.file))->camera();
     Result<VirtualSensor> copy = renderedCopy(recording, *offsets, camera);
     if (!copy) return copy.error();
-    rendered.push_back(renderImages(*copy, images->depth.size()));
-    real.push_back(std::move(*images));
+    both.rendered.push_back(renderImages(*copy, images->depth.size()));
+    both.real.push_back(std::move(*images));
   }
   for (const int lag : {1, 2, 4}) {
-    print("Kinect v1, people", fmt::format("noise against neighbours {} px beside [steps]", lag), real, rendered,
-          [&](const std::vector<Images>& all) { return neighbourNoise(all, lag, 0); });
-    print("Kinect v1, people", fmt::format("noise against neighbours {} px above [steps]", lag), real, rendered,
-          [&](const std::vector<Images>& all) { return neighbourNoise(all, 0, lag); });
+    both.print(fmt::format("noise against neighbours {} px beside [steps]", lag),
+               [&](const Sequences& all) { return neighbourNoise(all, lag, 0); });
+    both.print(fmt::format("noise against neighbours {} px above [steps]", lag),
+               [&](const Sequences& all) { return neighbourNoise(all, 0, lag); });
   }
-  print("Kinect v1, people", "pixels that do not change in 10 frames [%]", real, rendered,
-        [](const std::vector<Images>& all) { return stillPixels(all, true); });
-  print("Kinect v1, people", "deviation in 10 frames [steps]", real, rendered,
-        [](const std::vector<Images>& all) { return stillPixels(all, false); });
-  print("Kinect v1, people", "enclosed missing pixels [%]", real, rendered, enclosedHoles);
+  both.print("pixels that do not change in 10 frames [%]", [](const Sequences& all) { return stillPixels(all, true); });
+  both.print("deviation in 10 frames [steps]", [](const Sequences& all) { return stillPixels(all, false); });
+  both.print("enclosed missing pixels [%]", enclosedHoles);
   for (const bool left : {true, false}) {
     for (const bool inTime : {false, true}) {
-      print("Kinect v1, people",
-            fmt::format("{} outline from {} [px]", left ? "left" : "right", inTime ? "frame to frame" : "row to row"),
-            real, rendered, [&](const std::vector<Images>& all) { return outlineJitter(all, left, inTime); });
+      both.print(
+          fmt::format("{} outline from {} [px]", left ? "left" : "right", inTime ? "frame to frame" : "row to row"),
+          [&](const Sequences& all) { return outlineJitter(all, left, inTime); });
     }
   }
   return {};
 }
 
 Result<void> measureRooms(const fs::path& folder) {
-  std::vector<Images> real, rendered;
+  Comparison both{"Kinect v1, rooms", {}, {}};
   for (const char* name : {"A_armchair3_a9s1", "A_armchair5_a19s5", "B_armchair2_a26s7", "C_armchair4_a22s3_a9s5"}) {
     Result<Images> images = readImages(folder / fmt::format("{}.oni", name), 1);
     if (!images) return images.error();
@@ -463,23 +443,21 @@ Result<void> measureRooms(const fs::path& folder) {
         }
       }
     }
-    real.push_back(std::move(*images));
+    both.real.push_back(std::move(*images));
   }
   Result<VirtualSensor> sensor = roomBefore({}, false);
   if (!sensor) return sensor.error();
-  rendered.push_back(renderImages(*sensor, 1));
+  both.rendered.push_back(renderImages(*sensor, 1));
   for (const auto& [from, to] : {std::pair{1.5, 2.5}, std::pair{2.5, 3.5}, std::pair{3.5, 5.0}}) {
-    print("Kinect v1, rooms", fmt::format("deviation from planes {} to {} m away [steps]", from, to), real, rendered,
-          [from = from, to = to](const std::vector<Images>& all) { return flatness(all, from, to).residual; });
+    both.print(fmt::format("deviation from planes {} to {} m away [steps]", from, to),
+               [from = from, to = to](const Sequences& all) { return flatness(all, from, to).residual; });
   }
   for (std::size_t lag = 1; lag <= 3; ++lag) {
-    print("Kinect v1, rooms", fmt::format("its correlation at {} px", lag), real, rendered,
-          [&](const std::vector<Images>& all) { return flatness(all, 1.5, 5.0).correlation[lag - 1]; });
+    both.print(fmt::format("its correlation at {} px", lag),
+               [&](const Sequences& all) { return flatness(all, 1.5, 5.0).correlation[lag - 1]; });
   }
-  print("Kinect v1, rooms", "missing left of near things [parallax]", real, rendered,
-        [](const std::vector<Images>& all) { return edgeGap(all, true); });
-  print("Kinect v1, rooms", "missing right of near things [px]", real, rendered,
-        [](const std::vector<Images>& all) { return edgeGap(all, false); });
+  both.print("missing left of near things [parallax]", [](const Sequences& all) { return edgeGap(all, true); });
+  both.print("missing right of near things [px]", [](const Sequences& all) { return edgeGap(all, false); });
   return {};
 }
 
@@ -488,18 +466,18 @@ Result<void> measureRealSense(const fs::path& folder) {
   if (!images) return images.error();
   Result<VirtualSensor> sensor = roomBefore(realSenseNoise(), true);
   if (!sensor) return sensor.error();
-  const std::vector<Images> rendered = {renderImages(*sensor, images->depth.size())};
-  const std::vector<Images> real = {std::move(*images)};
-  print("RealSense", "missing pixels [%]", real, rendered, missing);
+  const Sequences rendered = {renderImages(*sensor, images->depth.size())};
+  const Comparison both{"RealSense", {std::move(*images)}, rendered};
+  both.print("missing pixels [%]", missing);
   for (const auto& [from, to] : {std::pair{1.4, 2.0}, std::pair{2.0, 2.6}, std::pair{2.6, 4.0}}) {
-    print("RealSense", fmt::format("change of 1/z per frame {} to {} m away [0.001/m]", from, to), real, rendered,
-          [from = from, to = to](const std::vector<Images>& all) { return changePerFrame(all, from, to); });
+    both.print(fmt::format("change of 1/z per frame {} to {} m away [0.001/m]", from, to),
+               [from = from, to = to](const Sequences& all) { return changePerFrame(all, from, to); });
   }
   for (const int lag : {1, 2, 4, 8, 12, 16}) {
-    print("RealSense", fmt::format("its correlation at {} px", lag), real, rendered,
-          [&](const std::vector<Images>& all) { return changeCorrelation(all, lag); });
+    both.print(fmt::format("its correlation at {} px", lag),
+               [&](const Sequences& all) { return changeCorrelation(all, lag); });
   }
-  print("RealSense", "width of edges from 15 to 85 % [px]", real, rendered, rampWidth);
+  both.print("width of edges from 15 to 85 % [px]", rampWidth);
   return {};
 }
 
