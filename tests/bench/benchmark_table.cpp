@@ -4,6 +4,7 @@
 #include "geometry/mesh_files.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -25,8 +26,20 @@ fs::path fileOf(const fs::path& folder, const std::string& mesh) {
 
 }  // namespace
 
-Result<std::vector<BenchmarkMesh>> readBenchmark(const fs::path& folder, const fs::path& table,
-                                                 const std::vector<std::string>& only) {
+void addBenchmark(CLI::App& app, Benchmark& benchmark) {
+  app.add_option("FOLDER", benchmark.folder, "Meshes (.off, .obj, .ply, .stl)")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  app.add_option("TABLE", benchmark.table, "CSV: mesh name, then part counts; see vhacd_counts.csv")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app.add_option("--only", benchmark.only, "Only these meshes of the table, separated by commas")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
+Result<std::vector<BenchmarkMesh>> readBenchmark(const Benchmark& benchmark) {
+  const auto& [folder, table, only] = benchmark;
   const Result<std::string> text = readFile(table);
   if (!text) return text.error();
   std::vector<BenchmarkMesh> meshes;
@@ -44,14 +57,13 @@ Result<std::vector<BenchmarkMesh>> readBenchmark(const fs::path& folder, const f
       int count = 0;
       const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), count);
       if (error != std::errc() || end != field.data() + field.size() || count < 1) {
-        return Error{ErrorCode::kBadFormat, fmt::format("{}: line {}: found `{}`, expected a part count of at least 1",
-                                                        table.string(), number, field)};
+        return Error{ErrorCode::kBadFormat,
+                     fmt::format("{}: line {}: found `{}`, expected a part count of at least 1", table, number, field)};
       }
       mesh.counts.push_back(count);
     }
     if (mesh.name.empty() || mesh.counts.empty()) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: line {}: expected a mesh and part counts", table.string(), number)};
+      return Error{ErrorCode::kBadFormat, fmt::format("{}: line {}: expected a mesh and part counts", table, number)};
     }
     mesh.file = fileOf(folder, mesh.name);
     meshes.push_back(std::move(mesh));
@@ -59,9 +71,9 @@ Result<std::vector<BenchmarkMesh>> readBenchmark(const fs::path& folder, const f
   if (only.empty()) return meshes;
   for (const std::string& name : only) {
     if (std::ranges::find(meshes, name, &BenchmarkMesh::name) != meshes.end()) continue;
-    return Error{ErrorCode::kNotFound, fmt::format("--only: {} is not in {}", name, table.string())};
+    return Error{ErrorCode::kNotFound, fmt::format("--only: {} is not in {}", name, table)};
   }
-  std::erase_if(meshes, [&](const BenchmarkMesh& m) { return std::ranges::find(only, m.name) == only.end(); });
+  std::erase_if(meshes, [&](const BenchmarkMesh& m) { return std::ranges::count(benchmark.only, m.name) == 0; });
   return meshes;
 }
 

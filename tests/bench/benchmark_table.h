@@ -8,6 +8,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace lorica::bench {
 
 /// A mesh of a benchmark and the part counts to cut it into.
@@ -17,12 +21,16 @@ struct BenchmarkMesh {
   std::filesystem::path file;  ///< empty if the folder has no such mesh
 };
 
-/// Reads a table of mesh names and part counts, and finds the meshes in a folder, in any format.
-/// @param only  keep only these meshes; empty = all
+/// Meshes in a folder, in any format, and a table of their names and part counts.
+struct Benchmark {
+  std::string folder, table;
+  std::vector<std::string> only;  ///< keep only these meshes; empty = all
+};
+/// FOLDER TABLE [--only NAMES]
+void addBenchmark(CLI::App& app, Benchmark& benchmark);
+
 /// @return the meshes, or an error: unreadable table, or a name in `only` that the table does not have
-[[nodiscard]] Result<std::vector<BenchmarkMesh>> readBenchmark(const std::filesystem::path& folder,
-                                                               const std::filesystem::path& table,
-                                                               const std::vector<std::string>& only);
+[[nodiscard]] Result<std::vector<BenchmarkMesh>> readBenchmark(const Benchmark& benchmark);
 
 /// Reads a mesh and repairs small faults.
 /// @param summary  what was repaired, if not null

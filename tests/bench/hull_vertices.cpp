@@ -74,18 +74,11 @@ Result<std::string> measure(const BenchmarkMesh& wanted, int parts) {
 
 int main(int argc, char** argv) {
   using namespace lorica::bench;
-  std::string folder, table;
-  std::vector<std::string> only;
+  Benchmark benchmark;
   CLI::App app("Encloses the parts of meshes in hulls with few vertices, by two methods: CSV on standard output.");
-  app.add_option("FOLDER", folder, "Meshes (.off, .obj, .ply, .stl)")->required()->check(CLI::ExistingDirectory);
-  app.add_option("TABLE", table, "CSV: mesh name, then part counts; see vhacd_counts.csv")
-      ->required()
-      ->check(CLI::ExistingFile);
-  app.add_option("--only", only, "Only these meshes of the table, separated by commas")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  addBenchmark(app, benchmark);
   CLI11_PARSE(app, argc, argv);
-  const lorica::Result<std::vector<BenchmarkMesh>> meshes = readBenchmark(folder, table, only);
+  const lorica::Result<std::vector<BenchmarkMesh>> meshes = readBenchmark(benchmark);
   if (!meshes) return fail(meshes.error());
   fmt::print("mesh,parts,limit,growth,pchs_growth,pchs_outside\n");
   for (const BenchmarkMesh& mesh : *meshes) {

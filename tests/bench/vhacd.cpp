@@ -21,27 +21,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string folder;
-  std::string table;
+  Benchmark benchmark;
   std::vector<std::string> presets = {"paper", "fast", "quality"};
   std::vector<int> threads = {2};
-  std::vector<std::string> only;
   int repeats = 1;
 };
 
 struct Row {
   std::string mesh;
-  int wanted = 0;
   std::size_t column = 0;  ///< of the table
   std::string preset;
   int threads = 0;
-  double score16 = 0.0;
-  double score17 = 0.0;
-  double distance = 0.0;
-  double uncovered = 0.0;
-  double seconds = 0.0;
-  double cpuSeconds = 0.0;
+  std::array<double, 9> numbers{};  ///< the first of measure()
 };
+constexpr std::size_t kScore16 = 1, kScore17 = 3, kDistance = 4, kUncovered = 5, kSeconds = 6, kCpuSeconds = 8;
 
 /// Does all work for one row. @return the measured columns as CSV
 Result<std::string> measure(const fs::path& file, int parts, DecomposePreset preset, int threads, int repeats) {
@@ -78,20 +71,17 @@ void summarize(const std::vector<Row>& rows) {
   std::map<std::pair<std::string, int>, std::vector<Row>> groups;
   for (const Row& row : rows) groups[{row.preset, row.threads}].push_back(row);
   const auto print = [](const std::string& name, const std::vector<Row>& group) {
-    const auto column = [&](double Row::*member) {
+    const auto both = [&](std::size_t column, int digits) {
       std::vector<double> values;
-      values.reserve(group.size());
-      for (const Row& row : group) values.push_back(row.*member);
-      return values;
+      for (const Row& row : group) values.push_back(row.numbers[column]);
+      return fmt::format("{:.{}f}, {:.{}f}", meanOf(values), digits, medianOf(values), digits);
     };
     fmt::print(
-        "# {}: rows {}; mean, median of score16 {:.4f}, {:.4f}; score17 {:.4f}, {:.4f}; distance {:.4f}, {:.4f} % of "
-        "diagonal; uncovered {:.5f}, {:.5f}; seconds {:.3f}, {:.3f}; CPU seconds {:.3f}, {:.3f}\n",
-        name, group.size(), meanOf(column(&Row::score16)), medianOf(column(&Row::score16)),
-        meanOf(column(&Row::score17)), medianOf(column(&Row::score17)), meanOf(column(&Row::distance)),
-        medianOf(column(&Row::distance)), meanOf(column(&Row::uncovered)), medianOf(column(&Row::uncovered)),
-        meanOf(column(&Row::seconds)), medianOf(column(&Row::seconds)), meanOf(column(&Row::cpuSeconds)),
-        medianOf(column(&Row::cpuSeconds)));
+        "# {}: rows {}; mean, median of score16 {}; score17 {}; distance {} % of diagonal; uncovered {}; seconds {}; "
+        "CPU "
+        "seconds {}\n",
+        name, group.size(), both(kScore16, 4), both(kScore17, 4), both(kDistance, 4), both(kUncovered, 5),
+        both(kSeconds, 3), both(kCpuSeconds, 3));
   };
   for (const auto& [key, group] : groups) {
     const std::string name = fmt::format("{}, threads {}", key.first, key.second);
@@ -110,7 +100,9 @@ void summarize(const std::vector<Row>& rows) {
     const auto paper = groups.find({"paper", key.second});
     if (key.first != "paper" && paper != groups.end()) {
       std::vector<double> gains;
-      pairWith(paper->second, [&](const Row& row, const Row& other) { gains.push_back(row.score17 - other.score17); });
+      pairWith(paper->second, [&](const Row& row, const Row& other) {
+        gains.push_back(row.numbers[kScore17] - other.numbers[kScore17]);
+      });
       if (gains.empty()) continue;
       fmt::print("# {}: score17 at least that of paper on {} of {} rows, mean gain {:+.4f}\n", name,
                  std::count_if(gains.begin(), gains.end(), [](double gain) { return gain >= -1e-5; }), gains.size(),
@@ -119,8 +111,9 @@ void summarize(const std::vector<Row>& rows) {
     const auto single = groups.find({key.first, 1});
     if (key.second != 1 && single != groups.end()) {
       std::vector<double> speedups;
-      pairWith(single->second,
-               [&](const Row& row, const Row& other) { speedups.push_back(other.seconds / row.seconds); });
+      pairWith(single->second, [&](const Row& row, const Row& other) {
+        speedups.push_back(other.numbers[kSeconds] / row.numbers[kSeconds]);
+      });
       if (speedups.empty()) continue;
       fmt::print("# {}: {:.2f} times as fast as one thread (median over the rows)\n", name, medianOf(speedups));
     }
@@ -128,7 +121,7 @@ void summarize(const std::vector<Row>& rows) {
 }
 
 int run(const Options& options) {
-  const Result<std::vector<BenchmarkMesh>> table = readBenchmark(options.folder, options.table, options.only);
+  const Result<std::vector<BenchmarkMesh>> table = readBenchmark(options.benchmark);
   if (!table) return fail(table.error());
 
   fmt::print(
@@ -139,7 +132,7 @@ int run(const Options& options) {
   for (const BenchmarkMesh& wanted : *table) {
     const fs::path& file = wanted.file;
     if (file.empty()) {
-      fmt::print(stderr, "{}: no such mesh in {}\n", wanted.name, options.folder);
+      fmt::print(stderr, "{}: no such mesh in {}\n", wanted.name, options.benchmark.folder);
       ++failed;
       continue;
     }
@@ -159,21 +152,13 @@ int run(const Options& options) {
           }
           fmt::print("{},{},\n", start, *measured);
           std::fflush(stdout);
-          Row row{wanted.name, count, column, preset, threads};
-          std::array<double, 9> number{};
+          Row& row = rows.emplace_back(Row{wanted.name, column, preset, threads, {}});
           std::istringstream fields(*measured);
           std::string field;
-          for (double& n : number) {
+          for (double& number : row.numbers) {
             std::getline(fields, field, ',');
-            n = std::stod(field);
+            number = std::stod(field);
           }
-          row.score16 = number[1];
-          row.score17 = number[3];
-          row.distance = number[4];
-          row.uncovered = number[5];
-          row.seconds = number[6];
-          row.cpuSeconds = number[8];
-          rows.push_back(row);
         }
       }
     }
@@ -191,12 +176,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Decomposes the meshes of a folder and scores the parts: CSV on standard output, progress on standard "
       "error.");
-  app.add_option("FOLDER", options.folder, "Meshes (.off, .obj, .ply, .stl)")
-      ->required()
-      ->check(CLI::ExistingDirectory);
-  app.add_option("TABLE", options.table, "CSV: mesh name, then part counts; see vhacd_counts.csv")
-      ->required()
-      ->check(CLI::ExistingFile);
+  lorica::bench::addBenchmark(app, options.benchmark);
   app.add_option("--preset", options.presets, "paper, fast, quality [default: all]")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -205,9 +185,6 @@ int main(int argc, char** argv) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::Range(1, 1024));
-  app.add_option("--only", options.only, "Only these meshes of the table, separated by commas")
-      ->delimiter(',')
-      ->allow_extra_args(false);
   app.add_option("--repeats", options.repeats, "Number of decompositions for median times")->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
