@@ -1,5 +1,7 @@
 #include "tests/bench/depth_overlay.h"
 
+#include "tests/bench/real_recordings.h"
+
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -30,6 +32,12 @@ bool isLeft(J joint) {
 }
 
 }  // namespace
+
+DrawnSkeleton trackedSkeleton(const SkeletonFrame& frame) {
+  DrawnSkeleton drawn{positionsOf(frame), {}, {255, 50, 40}};
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) drawn.sure[j] = frame.joints[j].confidence >= 0.5;
+  return drawn;
+}
 
 Image depthOverlay(const DepthCamera& camera, std::span<const std::uint16_t> depthMm,
                    std::span<const std::uint8_t> labels, std::span<const DrawnSkeleton> skeletons) {

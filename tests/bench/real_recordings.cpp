@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <sstream>
 #include <string_view>
@@ -19,31 +18,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Rows of numbers after a header; an empty field is NaN.
-std::vector<std::vector<double>> readTable(const std::string& text) {
-  std::vector<std::vector<double>> rows;
-  for (std::size_t at = text.find('\n'); at != std::string::npos && at + 1 < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at + 1), text.size());
-    std::string_view line(text.data() + at + 1, end - at - 1);
-    std::vector<double> row;
-    while (!line.empty()) {
-      const std::size_t comma = std::min(line.find(','), line.size());
-      double value = std::numeric_limits<double>::quiet_NaN();
-      std::from_chars(line.data(), line.data() + comma, value);
-      row.push_back(value);
-      line.remove_prefix(std::min(comma + 1, line.size()));
-    }
-    if (!row.empty()) rows.push_back(std::move(row));
-    at = end < text.size() ? end : std::string::npos;
+/// A row of numbers; an empty field, or one with words, is NaN.
+std::vector<double> numbersOf(std::string_view line) {
+  std::vector<double> row;
+  while (!line.empty()) {
+    const std::size_t comma = std::min(line.find(','), line.size());
+    double value = std::numeric_limits<double>::quiet_NaN();
+    std::from_chars(line.data(), line.data() + comma, value);
+    row.push_back(value);
+    line.remove_prefix(std::min(comma + 1, line.size()));
   }
-  return rows;
+  return row;
 }
 
 Result<std::map<int, Joints>> readTruth(const fs::path& file) {
   const Result<std::string> text = readFile(file);
   if (!text) return text.error();
   std::map<int, Joints> frames;
-  for (const std::vector<double>& row : readTable(*text)) {
+  std::istringstream lines(*text);
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    const std::vector<double> row = numbersOf(line);
+    if (row.empty()) continue;
     if (row.size() != 1 + 3 * kBodyJointCount) {
       return Error{ErrorCode::kBadFormat, fmt::format("{}: a row has {} numbers, expected {}", file.string(),
                                                       row.size(), 1 + 3 * kBodyJointCount)};
@@ -85,27 +82,23 @@ Isometry3 floorOf(const nlohmann::json& json) {
 
 /// The rows of marks.csv that are of a recording: recording, frame, person, joint, x, y, depth_mm, visible.
 Result<void> readMarks(const std::string& text, const Eigen::Vector2d& middle, RealRecording& recording) {
-  std::map<std::string, BodyJoint, std::less<>> joints;
-  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-    joints.emplace(nameOf(static_cast<BodyJoint>(j)), static_cast<BodyJoint>(j));
-  }
   std::map<int, std::map<int, std::vector<MarkedJoint>>> people;
-  const std::vector<std::vector<double>> rows = readTable(text);
   std::istringstream lines(text);
   std::string line;
   std::getline(lines, line);
-  for (const std::vector<double>& row : rows) {
-    std::getline(lines, line);
+  while (std::getline(lines, line)) {
     if (!line.starts_with(recording.name + ',')) continue;
+    const std::vector<double> row = numbersOf(line);
     std::istringstream fields(line);
     std::string field;
     for (int i = 0; i < 4; ++i) std::getline(fields, field, ',');
-    const auto joint = joints.find(field);
-    if (row.size() < 7 || joint == joints.end()) {
+    int joint = 0;
+    while (joint < kBodyJointCount && nameOf(static_cast<BodyJoint>(joint)) != field) ++joint;
+    if (row.size() < 7 || joint == kBodyJointCount) {
       return Error{ErrorCode::kBadFormat, fmt::format("marks.csv: no joint or too few numbers: {}", line)};
     }
     people[static_cast<int>(row[1])][static_cast<int>(row[2])].push_back(
-        {joint->second, Eigen::Vector2d(row[4], row[5]) - middle, 1e-3 * row[6]});
+        {static_cast<BodyJoint>(joint), Eigen::Vector2d(row[4], row[5]) - middle, 1e-3 * row[6]});
   }
   for (auto& [frame, marked] : people) {
     for (auto& [person, marks] : marked) recording.marks[frame].push_back(std::move(marks));

@@ -13,6 +13,12 @@ namespace lorica::bench {
 
 using Joints = std::array<Vec3, kBodyJointCount>;
 
+[[nodiscard]] inline Joints positionsOf(const SkeletonFrame& frame) {
+  Joints joints;
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) joints[j] = frame.joints[j].position;
+  return joints;
+}
+
 /// A joint that somebody marked on the depth image.
 struct MarkedJoint {
   BodyJoint joint{};

@@ -39,11 +39,10 @@ class AlteredSource : public DepthSource {
 
 /// The joint of the other side.
 BodyJoint mirrored(BodyJoint joint) {
-  SkeletonFrame frame;
-  frame[joint].confidence = 1.0;
-  mirror(frame);
-  const auto at = std::ranges::find(frame.joints, 1.0, &TrackedJoint::confidence);
-  return static_cast<BodyJoint>(at - frame.joints.begin());
+  for (const BodyJoint left : kLeftJoints) {
+    if (joint == left || joint == rightOf(left)) return joint == left ? rightOf(left) : left;
+  }
+  return joint;
 }
 
 }  // namespace
@@ -53,9 +52,7 @@ Joints altered(const Joints& joints, const RealVariant& variant) {
   SkeletonFrame frame;
   for (std::size_t j = 0; j < kBodyJointCount; ++j) frame.joints[j].position = joints[j];
   mirror(frame);
-  Joints result;
-  for (std::size_t j = 0; j < kBodyJointCount; ++j) result[j] = frame.joints[j].position;
-  return result;
+  return positionsOf(frame);
 }
 
 RealRecording altered(const RealRecording& recording, const RealVariant& variant) {

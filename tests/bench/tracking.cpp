@@ -43,7 +43,9 @@ struct JointErrors {
   bool sidesSwapped = false;                       ///< fits better with left and right swapped
 
   /// Whether an elbow, hand, knee or foot is wrong; true if the person is not tracked.
-  [[nodiscard]] bool limbWrong() const;
+  [[nodiscard]] bool limbWrong() const {
+    return !tracked || std::ranges::any_of(kLimbJoints, [&](BodyJoint j) { return distance[ordinalOf(j)] > kWrong; });
+  }
 };
 
 /// Errors of one run or of several.
@@ -57,25 +59,10 @@ struct ErrorSummary {
   double swappedPercent = 0.0;                       ///< of tracked frames
 };
 
-using J = BodyJoint;
-
-constexpr std::array kLimbs = {J::kLeftElbow, J::kRightElbow, J::kLeftHand, J::kRightHand,
-                               J::kLeftKnee,  J::kRightKnee,  J::kLeftFoot, J::kRightFoot};
-constexpr std::array<std::pair<J, J>, 6> kSides = {{{J::kLeftShoulder, J::kRightShoulder},
-                                                    {J::kLeftElbow, J::kRightElbow},
-                                                    {J::kLeftHand, J::kRightHand},
-                                                    {J::kLeftHip, J::kRightHip},
-                                                    {J::kLeftKnee, J::kRightKnee},
-                                                    {J::kLeftFoot, J::kRightFoot}}};
 constexpr std::size_t kSteadyFrames = 5;
 
 double percent(double part, double whole) {
   return whole > 0.0 ? 100.0 * part / whole : 0.0;
-}
-
-bool JointErrors::limbWrong() const {
-  return !tracked ||
-         std::ranges::any_of(kLimbs, [&](J joint) { return distance[static_cast<std::size_t>(joint)] > kWrong; });
 }
 
 /// @param tracked  same frame as the truth; nothing if the person is not tracked
@@ -90,7 +77,8 @@ JointErrors errorsOf(const SkeletonFrame& truth, bool visible, const std::option
     result.sure[j] = tracked->joints[j].confidence >= 0.5;
   }
   double straight = 0.0, swapped = 0.0;
-  for (const auto& [left, right] : kSides) {
+  for (const BodyJoint left : kLeftJoints) {
+    const BodyJoint right = rightOf(left);
     straight += ((*tracked)[left].position - truth[left].position).norm() +
                 ((*tracked)[right].position - truth[right].position).norm();
     swapped += ((*tracked)[left].position - truth[right].position).norm() +
@@ -164,11 +152,19 @@ struct Options {
   RealOptions realOptions;
 };
 
-/// One run of one motion by one body.
-struct Run {
+/// One run of one motion by one body, or several.
+struct Runs {
   std::vector<std::vector<JointErrors>> people;  ///< frames of each person
   std::vector<double> ms;                        ///< CPU time of each frame, all threads
+  std::vector<double> awaited;                   ///< time until each person was followed [s]; 1e9 = never
   std::uint64_t hash = 0;                        ///< of all tracked joints
+
+  void add(const Runs& more) {
+    people.insert(people.end(), more.people.begin(), more.people.end());
+    ms.insert(ms.end(), more.ms.begin(), more.ms.end());
+    awaited.insert(awaited.end(), more.awaited.begin(), more.awaited.end());
+    hash = contentHash({reinterpret_cast<const char*>(&more.hash), sizeof(more.hash)}, hash);
+  }
 };
 
 template <typename Kind>
@@ -206,8 +202,18 @@ std::vector<std::optional<SkeletonFrame>> matched(std::span<const VirtualTruth> 
   }
 }
 
-Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const DepthNoiseSettings& noise,
-                  const Options& options) {
+/// Time at which the person enters or reappears, from which recovery is measured [s].
+double awaitedFrom(const TrackedMotion& motion, std::span<const JointErrors> frames) {
+  if (!motion.screens.empty()) return motion.screens.front().when.to;
+  // A person who walks in counts from when most of the body stays in the image.
+  for (std::size_t i = frames.size(); i > 0; --i) {
+    if (!frames[i - 1].visible) return i < frames.size() ? frames[i].time : frames[i - 1].time;
+  }
+  return 0.0;
+}
+
+Result<Runs> track(const TestPerson& body, const TrackedMotion& motion, const DepthNoiseSettings& noise,
+                   const Options& options) {
   DepthCamera camera = noise.sensor;
   if (options.half) {
     camera.width /= 2;
@@ -221,7 +227,7 @@ Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const Dep
   const double visiblePixels = 4000.0 * scale * scale;
   int frames = static_cast<int>(motion.seconds * 30.0);
   if (options.frames > 0) frames = std::min(frames, options.frames);
-  Run run;
+  Runs run;
   run.people.resize(sensor->truth().size());
   run.ms.reserve(frames);
   DepthFrame depth;
@@ -251,17 +257,10 @@ Result<Run> track(const TestPerson& body, const TrackedMotion& motion, const Dep
       run.people[p].push_back(errorsOf(joints, truth.present && truth.pixelCount > visiblePixels, found[p]));
     }
   }
-  return run;
-}
-
-/// Time at which the person enters or reappears, from which recovery is measured [s].
-double awaitedFrom(const TrackedMotion& motion, std::span<const JointErrors> frames) {
-  if (!motion.screens.empty()) return motion.screens.front().when.to;
-  // A person who walks in counts from when most of the body stays in the image.
-  for (std::size_t i = frames.size(); i > 0; --i) {
-    if (!frames[i - 1].visible) return i < frames.size() ? frames[i].time : frames[i - 1].time;
+  for (const std::vector<JointErrors>& person : run.people) {
+    run.awaited.push_back(secondsToFollow(person, awaitedFrom(motion, person)).value_or(1e9));
   }
-  return 0.0;
+  return run;
 }
 
 /// The runs of one motion by one body.
@@ -269,10 +268,7 @@ struct Row {
   const TrackedMotion* motion = nullptr;
   const TestPerson* body = nullptr;
   std::string noise;
-  std::vector<std::vector<JointErrors>> people;
-  std::vector<double> ms;
-  std::vector<double> awaited;  ///< time until the person was followed, one per run [s]; 1e9 = never
-  std::uint64_t hash = 0;
+  Runs runs;
 };
 
 std::string seconds(double value) {
@@ -280,24 +276,14 @@ std::string seconds(double value) {
 }
 
 void print(const Row& row, double from) {
-  const ErrorSummary s = summaryOf(row.people, from);
+  const Runs& runs = row.runs;
+  const ErrorSummary s = summaryOf(runs.people, from);
   fmt::print("{},{},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.2f},{:.1f},{:.1f},{},{:.2f},{:.2f},{:016x}\n",
              row.motion->name, row.body->name, row.noise, s.frames, s.trackedPercent, s.meanMm, s.medianMm, s.p95Mm,
-             s.limbWrongPercent, s.sureWrongPercent, s.surePercent, s.swappedPercent, seconds(atRank(row.awaited, 1.0)),
-             meanOf(row.ms), atRank(row.ms, 0.99), row.hash);
+             s.limbWrongPercent, s.sureWrongPercent, s.surePercent, s.swappedPercent,
+             seconds(atRank(runs.awaited, 1.0)), meanOf(runs.ms), atRank(runs.ms, 0.99), runs.hash);
   std::fflush(stdout);
 }
-
-/// Combined rows of the same noise for one line of the table.
-struct Group {
-  std::vector<std::vector<JointErrors>> people;
-  std::vector<double> ms, awaited;
-  void add(const Row& row) {
-    people.insert(people.end(), row.people.begin(), row.people.end());
-    ms.insert(ms.end(), row.ms.begin(), row.ms.end());
-    awaited.insert(awaited.end(), row.awaited.begin(), row.awaited.end());
-  }
-};
 
 /// @param noise  name of the noise that is shown beside clean depth
 void printTable(const std::vector<Row>& rows, const std::string& noise, double from) {
@@ -306,9 +292,9 @@ void printTable(const std::vector<Row>& rows, const std::string& noise, double f
   const auto line = [&](const char* name, const char* target, const auto& holds, const auto& text) {
     std::string cells;
     for (const auto& [clean, own] : {std::pair{false, false}, std::pair{true, false}, std::pair{false, true}}) {
-      Group group;
+      Runs group;
       for (const Row& row : rows) {
-        if (row.noise == (clean ? "clean" : noise) && row.body->own == own && holds(row)) group.add(row);
+        if (row.noise == (clean ? "clean" : noise) && row.body->own == own && holds(row)) group.add(row.runs);
       }
       cells += fmt::format(" {:<26}", group.people.empty() ? std::string("-") : text(group));
     }
@@ -317,20 +303,20 @@ void printTable(const std::vector<Row>& rows, const std::string& noise, double f
   const auto of = [](MotionKind kind, bool odd = false) {
     return [=](const Row& row) { return row.motion->kind == kind && row.body->odd == odd; };
   };
-  const auto errors = [&](const Group& g) {
+  const auto errors = [&](const Runs& g) {
     const ErrorSummary s = summaryOf(g.people, from);
     return fmt::format("{:.0f} / {:.0f} / {:.0f}", s.meanMm, s.medianMm, s.p95Mm);
   };
-  const auto limbs = [&](const Group& g) { return fmt::format("{:.1f}", summaryOf(g.people, from).limbWrongPercent); };
-  const auto meanAndLimbs = [&](const Group& g) {
+  const auto limbs = [&](const Runs& g) { return fmt::format("{:.1f}", summaryOf(g.people, from).limbWrongPercent); };
+  const auto meanAndLimbs = [&](const Runs& g) {
     const ErrorSummary s = summaryOf(g.people, from);
     return fmt::format("{:.0f}, {:.1f}", s.meanMm, s.limbWrongPercent);
   };
-  const auto swapped = [&](const Group& g) {
+  const auto swapped = [&](const Runs& g) {
     const ErrorSummary s = summaryOf(g.people, 2.0);
     return fmt::format("{:.1f}, limbs {:.1f}", s.swappedPercent, s.limbWrongPercent);
   };
-  const auto awaited = [&](const Group& g) {
+  const auto awaited = [&](const Runs& g) {
     return fmt::format("{} / {}", seconds(atRank(g.awaited, 0.5)), seconds(atRank(g.awaited, 1.0)));
   };
   const auto human = [](const Row& row) { return !row.body->odd; };
@@ -339,7 +325,7 @@ void printTable(const std::vector<Row>& rows, const std::string& noise, double f
   line("boxing: the same [%]", "10", of(MotionKind::kBoxing), limbs);
   line("crossed arms: the same [%]", "25", of(MotionKind::kCrossedArms), limbs);
   line("unusual body, ordinary: mean [mm], limbs [%]", "60, 15", of(MotionKind::kOrdinary, true), meanAndLimbs);
-  line("confidence >= 0.5 and error > 150 mm [%]", "2", human, [&](const Group& g) {
+  line("confidence >= 0.5 and error > 150 mm [%]", "2", human, [&](const Runs& g) {
     const ErrorSummary s = summaryOf(g.people, from);
     return fmt::format("{:.2f} of {:.0f}", s.sureWrongPercent, s.surePercent);
   });
@@ -352,9 +338,9 @@ void printTable(const std::vector<Row>& rows, const std::string& noise, double f
   line(
       "one person: CPU ms per frame, mean / p99", "12 / 25",
       [](const Row& row) { return row.motion->kind != MotionKind::kTwo; },
-      [&](const Group& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
+      [&](const Runs& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
   line("two people: CPU ms per frame, mean / p99", "30 Hz, 2 cores", of(MotionKind::kTwo),
-       [&](const Group& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
+       [&](const Runs& g) { return fmt::format("{:.1f} / {:.1f}", meanOf(g.ms), atRank(g.ms, 0.99)); });
   line("followed after entering: median / max [s]", "1", of(MotionKind::kEntering), awaited);
 }
 
@@ -365,16 +351,15 @@ Result<void> measure(const Options& options) {
   for (TrackedMotion& one : *more) motions.push_back(std::move(one));
   Result<std::vector<TestPerson>> bodies = trackedBodies(options.data);
   if (!bodies) return bodies.error();
-  for (const std::string& name : options.motions) {
-    if (std::ranges::none_of(motions, [&](const TrackedMotion& one) { return one.name == name; })) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("--motion {}: no motion has this name", name)};
+  const auto check = [](const char* what, const std::vector<std::string>& names, const auto& known) -> Result<void> {
+    for (const std::string& name : names) {
+      if (std::ranges::any_of(known, [&](const auto& one) { return one.name == name; })) continue;
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--{0} {1}: no {0} has this name", what, name)};
     }
-  }
-  for (const std::string& name : options.bodies) {
-    if (std::ranges::none_of(*bodies, [&](const TestPerson& one) { return one.name == name; })) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("--body {}: no body has this name", name)};
-    }
-  }
+    return {};
+  };
+  if (Result<void> checked = check("motion", options.motions, motions); !checked) return checked;
+  if (Result<void> checked = check("body", options.bodies, *bodies); !checked) return checked;
 
   std::erase_if(*bodies, [&](const TestPerson& one) { return !named(options.bodies, one.name); });
   const std::size_t bare = bodies->size();
@@ -397,21 +382,16 @@ Result<void> measure(const Options& options) {
     if (!named(options.motions, motion.name)) continue;
     for (const TestPerson& body : *bodies) {
       const auto measureRow = [&](const std::string& name, DepthNoiseSettings noise, int seeds) -> Result<void> {
-        Row row{&motion, &body, name, {}, {}, {}, 0};
+        Row row{&motion, &body, name, {}};
         for (int seed = 1; seed <= seeds; ++seed) {
           noise.seed = static_cast<std::uint64_t>(seed);
-          Result<Run> run = track(body, motion, noise, options);
+          Result<Runs> run = track(body, motion, noise, options);
           if (!run) {
             return Error{run.error().code, fmt::format("{} by {}: {}", motion.name, body.name, run.error().message)};
           }
-          for (const std::vector<JointErrors>& person : run->people) {
-            row.awaited.push_back(secondsToFollow(person, awaitedFrom(motion, person)).value_or(1e9));
-            row.people.push_back(person);
-          }
-          row.ms.insert(row.ms.end(), run->ms.begin(), run->ms.end());
-          row.hash = contentHash({reinterpret_cast<const char*>(&run->hash), sizeof(run->hash)}, row.hash);
+          row.runs.add(*run);
         }
-        if (row.people.empty()) return {};
+        if (row.runs.people.empty()) return {};
         print(row, options.from);
         rows.push_back(std::move(row));
         return {};
@@ -455,16 +435,8 @@ Result<void> measureNear(const Options& options) {
         }
         figures.add(sensor.truth()[0], seen);
         if (options.realOptions.pictures.empty() || f % options.realOptions.pictureStep != 0) continue;
-        std::vector<DrawnSkeleton> drawn(1 + seen.size());
-        for (std::size_t s = 0; s < drawn.size(); ++s) {
-          const SkeletonFrame& one = s == 0 ? sensor.truth()[0].joints : seen[s - 1];
-          for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-            drawn[s].joints[j] = one.joints[j].position;
-            drawn[s].sure[j] = s > 0 && one.joints[j].confidence >= 0.5;
-          }
-          drawn[s].colour =
-              s == 0 ? std::array<std::uint8_t, 3>{60, 255, 60} : std::array<std::uint8_t, 3>{255, 50, 40};
-        }
+        std::vector<DrawnSkeleton> drawn = {{positionsOf(sensor.truth()[0].joints), {}, kTrueColour}};
+        for (const SkeletonFrame& one : seen) drawn.push_back(trackedSkeleton(one));
         pictures.push_back(depthOverlay(sensor.camera(), depth.depthMm, tracker->labels(), drawn));
         captions.push_back(fmt::format("{}", f));
       }

@@ -242,16 +242,9 @@ Image pictureOf(const DepthCamera& camera, const DepthFrame& depth, std::span<co
   std::vector<DrawnSkeleton> skeletons;
   for (const std::map<int, Joints>& person : recording.people) {
     const auto truth = person.find(frame);
-    if (truth != person.end()) skeletons.push_back({truth->second, {}, {60, 255, 60}});
+    if (truth != person.end()) skeletons.push_back({truth->second, {}, kTrueColour});
   }
-  for (const Seen& one : seen) {
-    DrawnSkeleton& drawn = skeletons.emplace_back();
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      drawn.joints[j] = one.joints.joints[j].position;
-      drawn.sure[j] = one.joints.joints[j].confidence >= 0.5;
-    }
-    drawn.colour = {255, 50, 40};
-  }
+  for (const Seen& one : seen) skeletons.push_back(trackedSkeleton(one.joints));
   return depthOverlay(camera, depth.depthMm, labels, skeletons);
 }
 
@@ -382,13 +375,6 @@ Result<Measured> trackComposed(ComposedRoom& room, const Joints& offsets, const 
                [&](int frame) { return std::span<const std::uint8_t>(room.masks[frame + options.variant.start]); });
 }
 
-/// Elbows, hands, knees and feet.
-bool isOnLimb(BodyJoint joint) {
-  using J = BodyJoint;
-  return joint == J::kLeftElbow || joint == J::kRightElbow || joint == J::kLeftHand || joint == J::kRightHand ||
-         joint == J::kLeftKnee || joint == J::kRightKnee || joint == J::kLeftFoot || joint == J::kRightFoot;
-}
-
 constexpr const char* kColumns =
     "recording,frames,followed_percent,first_frame,median_mm,p95_mm,limb_off_percent,sure_percent,sure_off_percent,"
     "back_percent,false_frames,after_1s_followed_percent,after_1s_median_mm,after_1s_p95_mm,after_1s_limb_off_percent,"
@@ -441,7 +427,7 @@ void print(const std::string& name, const Measured& m, bool joints) {
                      1e3 * m.pops / std::max(1, m.steps), meanOf(m.ms), atRank(m.ms, 0.99));
   std::array<int, 2> marked{}, markedOff{};  // limb joints: all; those that are sure
   for (const MarkError& error : m.marks) {
-    if (!isOnLimb(error.joint)) continue;
+    if (std::ranges::find(kLimbJoints, error.joint) == kLimbJoints.end()) continue;
     for (std::size_t sure = 0; sure <= static_cast<std::size_t>(error.sure); ++sure) {
       ++marked[sure];
       markedOff[sure] += static_cast<int>(error.off.norm() > kOff);

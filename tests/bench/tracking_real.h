@@ -9,6 +9,11 @@
 
 namespace lorica::bench {
 
+/// Elbows, hands, knees and feet.
+inline constexpr std::array kLimbJoints = {BodyJoint::kLeftElbow, BodyJoint::kRightElbow, BodyJoint::kLeftHand,
+                                           BodyJoint::kRightHand, BodyJoint::kLeftKnee,   BodyJoint::kRightKnee,
+                                           BodyJoint::kLeftFoot,  BodyJoint::kRightFoot};
+
 struct RealOptions {
   std::vector<std::string> names;  ///< only recordings whose name starts with one of these; empty = all
   std::filesystem::path results;   ///< folder for the joints and labels of each recording; empty = none
