@@ -312,13 +312,9 @@ Result<void> figure3(const Studio& studio) {
   fmt::print("figure,keyframes,candidate_edges,error,seconds\n");
   std::vector<double> candidates = {1, 2, 4, 8, 16, 32, 64};
   if (studio.options().quick) candidates = {1, 4, 16};
-  Chart error{
-      "Fig. 3: error by candidate edges, the paper's algorithm, " + std::to_string(studio.options().parts) + " parts",
-      "candidate edges (C)",
-      "relative volume error",
-      {},
-      true,
-      false};
+  Chart error{"", "candidate edges (C)", "relative volume error", {}, true, false};
+  error.title =
+      fmt::format("Fig. 3: error by candidate edges, the paper's algorithm, {} parts", studio.options().parts);
   Chart seconds{"Time by candidate edges", "candidate edges (C)", "seconds", {}, true, false};
   const std::vector<Vec3> bind = studio.character().mesh.vertices;
   const std::vector<Vec3> moving = studio.uniformFrames(studio.motions(), studio.options().keyframes);
@@ -358,13 +354,9 @@ Result<void> figure8(const Studio& studio) {
   }
   fmt::print("# figure 8: mean error alone {:.4f}, together {:.4f}, ratio {:.3f}\n", meanOf(alone), meanOf(together),
              meanOf(together) / meanOf(alone));
-  Chart chart{fmt::format("Fig. 8: parts trained on one frame or on all ({} parts, {})", studio.options().parts,
-                          studio.options().preset),
-              "keyframe",
-              "relative volume error",
-              {},
-              false,
-              true};
+  Chart chart{"", "keyframe", "relative volume error", {}, false, true};
+  chart.title = fmt::format("Fig. 8: parts trained on one frame or on all ({} parts, {})", studio.options().parts,
+                            studio.options().preset);
   for (std::size_t k = 1; k <= alone.size(); ++k) chart.ticks.push_back(std::to_string(k));
   chart.series = {{"each frame by itself", counted(alone.size()), alone, false},
                   {"all frames together", counted(alone.size()), together, false}};
@@ -388,13 +380,9 @@ Result<void> figure9(const Studio& studio) {
   const std::vector<Series> both = {
       {"trained on the first frame", counted(first.size()), first, false},
       {fmt::format("trained on {} keyframes", studio.options().keyframes), counted(all.size()), all, false}};
-  const Chart curve{fmt::format("Fig. 9: error over {} frames of six motions ({} parts, {})", count,
-                                studio.options().parts, studio.options().preset),
-                    "frame",
-                    "relative volume error",
-                    both,
-                    false,
-                    false};
+  Chart curve{"", "frame", "relative volume error", both};
+  curve.title = fmt::format("Fig. 9: error over {} frames of six motions ({} parts, {})", count, studio.options().parts,
+                            studio.options().preset);
   Chart bars = histogram(both, 24);
   bars.title = "Distribution of the error";
   bars.xName = "relative volume error";

@@ -1,7 +1,6 @@
 #include "tests/bench/generators/synthetic_motion.h"
 
 #include "capture/files/joint_csv.h"
-#include "tests/bench/generators/motion_measures.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
@@ -13,12 +12,115 @@
 namespace lorica {
 namespace {
 
-using measures::angleBetween;
-using measures::kDegree;
 using enum BodyJoint;
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 constexpr double kFrameRate = 30.0;
 constexpr std::array kFeet{kLeftFoot, kRightFoot};
+
+// Measures of a recorded person, taken from positions and orientations alone.
+
+double angleBetween(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// Distance between two segments [m].
+double segmentDistance(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
+  // Distance to a segment is convex along the other, so a ternary search finds the minimum.
+  const auto toB = [&](const Vec3& p) {
+    const Vec3 d = b1 - b0;
+    const double t = d.squaredNorm() > 0.0 ? std::clamp((p - b0).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0.0;
+    return (p - b0 - t * d).norm();
+  };
+  double low = 0.0;
+  double high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double l = low + (high - low) / 3.0;
+    const double h = high - (high - low) / 3.0;
+    if (toB(a0 + l * (a1 - a0)) < toB(a0 + h * (a1 - a0))) {
+      high = h;
+    } else {
+      low = l;
+    }
+  }
+  return toB(a0 + low * (a1 - a0));
+}
+
+/// Heel, ball and toe tip on the sole of a bare foot whose ankle is 0.085 m high.
+std::array<Vec3, 3> soleOf(const SkeletonFrame& frame, BodyJoint foot) {
+  const TrackedJoint& joint = frame[foot];
+  const auto at = [&](double ahead) -> Vec3 { return joint.position + *joint.orientation * Vec3(0.0, -0.085, ahead); };
+  return {at(-0.05), at(0.145), at(0.185)};
+}
+
+/// A thick limb: approximate volume of a body part.
+struct Capsule {
+  std::string name;
+  Vec3 from, to;
+  double radius;
+};
+
+/// Trunk, head, arms, legs and feet.
+std::vector<Capsule> bodyOf(const SkeletonFrame& f) {
+  const auto at = [&](BodyJoint j) { return f[j].position; };
+  const Vec3 hips = 0.5 * (at(kLeftHip) + at(kRightHip));
+  // The trunk ends below the shoulders; the head is a ball.
+  const Vec3 chest = at(kTorso) + 0.65 * (at(kNeck) - at(kTorso));
+  std::vector<Capsule> body{{"trunk", hips, chest, 0.12}, {"head", at(kHead), at(kHead), 0.10}};
+  const auto side = [&](const std::string& name, BodyJoint shoulder, BodyJoint elbow, BodyJoint hand, BodyJoint hip,
+                        BodyJoint knee, BodyJoint foot) {
+    body.push_back({name + " upper arm", at(shoulder), at(elbow), 0.045});
+    body.push_back({name + " forearm", at(elbow), at(hand), 0.04});
+    body.push_back({name + " thigh", at(hip), at(knee), 0.07});
+    body.push_back({name + " shin", at(knee), at(foot), 0.05});
+    const auto sole = soleOf(f, foot);
+    const Vec3 up = *f[foot].orientation * Vec3(0.0, 0.03, 0.0);
+    body.push_back({name + " foot", sole[0] + up, sole[1] + up, 0.03});
+  };
+  side("left", kLeftShoulder, kLeftElbow, kLeftHand, kLeftHip, kLeftKnee, kLeftFoot);
+  side("right", kRightShoulder, kRightElbow, kRightHand, kRightHip, kRightKnee, kRightFoot);
+  return body;
+}
+
+/// Whether two capsules of bodyOf are neighbours that touch at a joint.
+bool adjacent(const std::string& a, const std::string& b) {
+  const auto is = [&](const std::string& x, const std::string& y) { return (a == x && b == y) || (a == y && b == x); };
+  if (is("trunk", "head")) return true;
+  for (const std::string side : {"left ", "right "}) {
+    if (is("trunk", side + "upper arm") || is("trunk", side + "thigh") || is(side + "upper arm", side + "forearm") ||
+        is(side + "thigh", side + "shin") || is(side + "shin", side + "foot")) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Centre of mass: Winter's segment masses, centres along the segments.
+Vec3 massCentre(const SkeletonFrame& f) {
+  const auto along = [&](BodyJoint a, BodyJoint b, double share) -> Vec3 {
+    return f[a].position + share * (f[b].position - f[a].position);
+  };
+  const Vec3 hips = along(kLeftHip, kRightHip, 0.5);
+  const Vec3 trunk = 0.284 * along(kTorso, kNeck, 0.5) + 0.213 * 0.5 * (hips + f[kTorso].position);
+  const Vec3 arms = 0.028 * (along(kLeftShoulder, kLeftElbow, 0.44) + along(kRightShoulder, kRightElbow, 0.44)) +
+                    0.022 * (along(kLeftElbow, kLeftHand, 0.68) + along(kRightElbow, kRightHand, 0.68));
+  const Vec3 legs = 0.100 * (along(kLeftHip, kLeftKnee, 0.43) + along(kRightHip, kRightKnee, 0.43)) +
+                    0.0465 * (along(kLeftKnee, kLeftFoot, 0.43) + along(kRightKnee, kRightFoot, 0.43)) +
+                    0.0145 * (f[kLeftFoot].position + f[kRightFoot].position);
+  return 0.081 * f[kHead].position + trunk + arms + legs;
+}
+
+/// The pelvis frame from hips and torso: X to the left hip, Y up the trunk.
+Mat3 pelvisAxes(const SkeletonFrame& f) {
+  const Vec3 hips = 0.5 * (f[kLeftHip].position + f[kRightHip].position);
+  Mat3 axes;
+  axes.col(1) = (f[kTorso].position - hips).normalized();
+  axes.col(0) = f[kLeftHip].position - f[kRightHip].position;
+  axes.col(0) = (axes.col(0) - axes.col(0).dot(axes.col(1)) * axes.col(1)).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
 
 const std::vector<SkeletonFrame>& framesOf(std::string_view motion) {
   static std::map<std::string_view, std::vector<SkeletonFrame>> made;
@@ -86,7 +188,7 @@ TEST_P(SyntheticMotions, BonesKeepTheirLength) {
 TEST_P(SyntheticMotions, JointsBendNoFartherThanAPersons) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const SkeletonFrame& f = frames[i];
-    const Mat3 pelvis = measures::pelvisAxes(f);
+    const Mat3 pelvis = pelvisAxes(f);
     const Quat chest = *f[kTorso].orientation;
     SCOPED_TRACE("frame " + std::to_string(i));
 
@@ -167,8 +269,8 @@ TEST_P(SyntheticMotions, FeetDoNotSkateOrSink) {
     for (const std::size_t point : {0u, 1u}) {  // heel and ball: each stays where it touches
       double slid = 0.0;
       for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
-        const Vec3 now = measures::soleOf(frames[i], foot)[point];
-        const Vec3 next = measures::soleOf(frames[i + 1], foot)[point];
+        const Vec3 now = soleOf(frames[i], foot)[point];
+        const Vec3 next = soleOf(frames[i + 1], foot)[point];
         if (now.y() > kTouching || next.y() > kTouching) {
           slid = 0.0;
           continue;
@@ -178,9 +280,9 @@ TEST_P(SyntheticMotions, FeetDoNotSkateOrSink) {
       }
     }
     for (std::size_t i = 0; i < frames.size(); ++i) {
-      for (const Vec3& p : measures::soleOf(frames[i], foot)) {
+      for (const Vec3& p : soleOf(frames[i], foot)) {
         // Toe tips may penetrate the floor by the amount that real toes would bend.
-        const bool toes = (p - measures::soleOf(frames[i], foot)[2]).norm() < 1e-9;
+        const bool toes = (p - soleOf(frames[i], foot)[2]).norm() < 1e-9;
         ASSERT_GT(p.y(), toes ? -0.03 : -0.002) << nameOf(foot) << ", frame " << i;
       }
     }
@@ -192,7 +294,7 @@ TEST_P(SyntheticMotions, StandsUnlessItJumps) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     double lowest = 1.0;
     for (const BodyJoint foot : kFeet) {
-      for (const Vec3& p : measures::soleOf(frames[i], foot)) lowest = std::min(lowest, p.y());
+      for (const Vec3& p : soleOf(frames[i], foot)) lowest = std::min(lowest, p.y());
     }
     ASSERT_LT(lowest, 0.003) << "both feet are in the air, frame " << i;
   }
@@ -215,12 +317,12 @@ TEST_P(SyntheticMotions, MovesLikeMatterNotLikeATeleport) {
 
 TEST_P(SyntheticMotions, NothingPassesThroughItself) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const std::vector<measures::Capsule> body = measures::bodyOf(frames[i]);
+    const std::vector<Capsule> body = bodyOf(frames[i]);
     for (std::size_t a = 0; a < body.size(); ++a) {
       for (std::size_t b = a + 1; b < body.size(); ++b) {
-        if (measures::adjacent(body[a].name, body[b].name)) continue;
-        const double gap = measures::segmentDistance(body[a].from, body[a].to, body[b].from, body[b].to) -
-                           body[a].radius - body[b].radius;
+        if (adjacent(body[a].name, body[b].name)) continue;
+        const double gap =
+            segmentDistance(body[a].from, body[a].to, body[b].from, body[b].to) - body[a].radius - body[b].radius;
         ASSERT_GT(gap, -0.005) << body[a].name << " and " << body[b].name << ", frame " << i;
       }
     }
@@ -230,7 +332,7 @@ TEST_P(SyntheticMotions, NothingPassesThroughItself) {
 TEST_P(SyntheticMotions, StaysBeforeTheCamera) {
   for (const std::size_t i : {std::size_t{0}, frames.size() - 1}) {
     EXPECT_LT(at(i, kTorso).cwiseProduct(Vec3(1.0, 0.0, 1.0)).norm(), 1.0);
-    EXPECT_LT(angleBetween(measures::pelvisAxes(frames[i]).col(2), Vec3::UnitZ()), 15.0 * kDegree);
+    EXPECT_LT(angleBetween(pelvisAxes(frames[i]).col(2), Vec3::UnitZ()), 15.0 * kDegree);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     ASSERT_LT(at(i, kTorso).cwiseProduct(Vec3(1.0, 0.0, 1.0)).norm(), 2.5) << "frame " << i;
@@ -304,7 +406,7 @@ TEST(SyntheticMotion, WalkIsAGaitWithSwingingArms) {
     const Vec3 rate = (frames[i + 10][kTorso].position - frames[i - 10][kTorso].position) * kFrameRate / 20.0;
     fastest = std::max(fastest, rate.norm());
     // If left hand and left foot were ahead of the body at the same time, it would be an amble.
-    const Mat3 pelvis = measures::pelvisAxes(frames[i]);
+    const Mat3 pelvis = pelvisAxes(frames[i]);
     const double hand = (frames[i][kLeftHand].position - frames[i][kTorso].position).dot(pelvis.col(2));
     const double foot = (frames[i][kLeftFoot].position - frames[i][kRightFoot].position).dot(pelvis.col(2));
     together += (hand - 0.06) * foot;
@@ -342,7 +444,7 @@ TEST(SyntheticMotion, JumpingJacksFlyInParabolas) {
   for (const SkeletonFrame& f : frames) {
     double lowest = 1.0;
     for (const BodyJoint foot : kFeet) {
-      for (const Vec3& p : measures::soleOf(f, foot)) lowest = std::min(lowest, p.y());
+      for (const Vec3& p : soleOf(f, foot)) lowest = std::min(lowest, p.y());
     }
     flies.push_back(lowest > 0.002);
   }
@@ -350,9 +452,7 @@ TEST(SyntheticMotion, JumpingJacksFlyInParabolas) {
   for (std::size_t i = 1; i + 1 < frames.size(); ++i) {
     if (flies[i] && !flies[i - 1]) ++flights;
     if (!flies[i - 1] || !flies[i] || !flies[i + 1]) continue;
-    const double fall = (measures::massCentre(frames[i + 1]) - 2.0 * measures::massCentre(frames[i]) +
-                         measures::massCentre(frames[i - 1]))
-                            .y() *
+    const double fall = (massCentre(frames[i + 1]) - 2.0 * massCentre(frames[i]) + massCentre(frames[i - 1])).y() *
                         kFrameRate * kFrameRate;
     EXPECT_NEAR(fall, -9.81, 0.02) << "frame " << i;
   }
@@ -364,9 +464,9 @@ TEST(SyntheticMotion, SquatKeepsBalance) {
   double lowestHip = 1.0;
   for (const SkeletonFrame& f : framesOf("squat_and_reach")) {
     lowestHip = std::min(lowestHip, f[kLeftHip].position.y());
-    const Vec3 mass = measures::massCentre(f);
-    const auto left = measures::soleOf(f, kLeftFoot);
-    const auto right = measures::soleOf(f, kRightFoot);
+    const Vec3 mass = massCentre(f);
+    const auto left = soleOf(f, kLeftFoot);
+    const auto right = soleOf(f, kRightFoot);
     ASSERT_LT(mass.x(), left[0].x()) << "time " << f.time;
     ASSERT_GT(mass.x(), right[0].x()) << "time " << f.time;
     ASSERT_LT(mass.z(), left[2].z() - 0.01) << "time " << f.time;
@@ -394,7 +494,7 @@ TEST(SyntheticMotion, PunchesReachOutAndKicksGoHigh) {
   // While kicking, the person stands over the left foot.
   for (const SkeletonFrame& f : frames) {
     if (f[kRightFoot].position.y() < 0.4) continue;
-    const Vec3 off = (measures::massCentre(f) - f[kLeftFoot].position).cwiseProduct(Vec3(1.0, 0.0, 1.0));
+    const Vec3 off = (massCentre(f) - f[kLeftFoot].position).cwiseProduct(Vec3(1.0, 0.0, 1.0));
     ASSERT_LT(off.norm(), 0.14) << "time " << f.time;
   }
 }
@@ -403,8 +503,8 @@ TEST(SyntheticMotion, TurnAroundGoesAllTheWay) {
   const auto& frames = framesOf("turn_around");
   double turned = 0.0;
   for (std::size_t i = 1; i < frames.size(); ++i) {
-    const Vec3 before = measures::pelvisAxes(frames[i - 1]).col(2);
-    const Vec3 after = measures::pelvisAxes(frames[i]).col(2);
+    const Vec3 before = pelvisAxes(frames[i - 1]).col(2);
+    const Vec3 after = pelvisAxes(frames[i]).col(2);
     turned += std::atan2(before.cross(after).y(), before.dot(after));
   }
   EXPECT_NEAR(turned / kDegree, 360.0, 8.0);
