@@ -236,10 +236,7 @@ class Decomposer {
     std::vector<double> excess(context_.keyframeCount(), 0.0);
     parallelFor(excess.size(), [&](std::size_t k) {
       if (piece.convex[k] && std::abs(piece.error(k)) <= kConvexEnough * piece.hullVolume[k]) return;
-      std::vector<Vec3> corners;
-      corners.reserve(piece.hullPoints[k].size());
-      for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);
-      const ConvexHull hull = convexHull(corners);
+      const ConvexHull hull = convexHull(hullPointsOf({&piece}, k, context_));
       if (const double limit = settings_.maxDistance; limit > 0.0) {
         excess[k] = hullDistance(hull, context_.points[k], piece.part.triangles, limit, limit) / limit;
       }

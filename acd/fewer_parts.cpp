@@ -100,15 +100,12 @@ class FewerParts {
   }
 
   void measureEmpty(Triple& triple) const {
-    thread_local std::vector<Vec3> points;
+    const auto& [a, b, c] = triple.parts;
     for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
-      points.clear();
-      double volume = 0.0;
-      for (const std::size_t i : triple.parts) {
-        for (const PointIndex p : parts_[i]->hullPoints[k]) points.push_back(context_.points[k][p]);
-        volume += parts_[i]->volume[k];
-      }
-      triple.empty = std::max(triple.empty, (convexHullVolume(points) - volume) / std::abs(context_.meshVolume[k]));
+      const double volume = parts_[a]->volume[k] + parts_[b]->volume[k] + parts_[c]->volume[k];
+      const double around =
+          convexHullVolume(hullPointsOf({parts_[a].get(), parts_[b].get(), parts_[c].get()}, k, context_));
+      triple.empty = std::max(triple.empty, (around - volume) / std::abs(context_.meshVolume[k]));
     }
   }
 

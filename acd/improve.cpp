@@ -133,13 +133,7 @@ class Improver {
 
   [[nodiscard]] bool touch(std::size_t a, std::size_t b) const {
     for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
-      const Aabb& one = boxes_[a][k];
-      const Aabb& other = boxes_[b][k];
-      const double margin = context_.onPlane[k];
-      if (((one.min.array() - margin) <= other.max.array()).all() &&
-          ((other.min.array() - margin) <= one.max.array()).all()) {
-        return true;
-      }
+      if (overlap(boxes_[a][k], boxes_[b][k], context_.onPlane[k])) return true;
     }
     return false;
   }
@@ -178,14 +172,9 @@ class Improver {
   }
 
   [[nodiscard]] double costOf(const Pair& pair) const {
-    thread_local std::vector<Vec3> points;
     double volume = 0.0;
     for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
-      points.clear();
-      for (const std::size_t i : {pair.a, pair.b}) {
-        for (const PointIndex p : parts_[i].hullPoints[k]) points.push_back(context_.points[k][p]);
-      }
-      volume += convexHullVolume(points);
+      volume += convexHullVolume(hullPointsOf({&parts_[pair.a], &parts_[pair.b]}, k, context_));
     }
     return volume - parts_[pair.a].totalHullVolume() - parts_[pair.b].totalHullVolume();
   }

@@ -61,10 +61,6 @@ double joinedVolume(const Group& a, const Group& b, double coarse, double giveUp
   return sum;
 }
 
-bool overlap(const Aabb& a, const Aabb& b, double margin) {
-  return ((a.min.array() - margin) <= b.max.array()).all() && ((b.min.array() - margin) <= a.max.array()).all();
-}
-
 /// Whether the slightly enlarged boxes overlap in some keyframe: only then is a merge likely to be cheap.
 bool near(const Group& a, const Group& b) {
   for (std::size_t k = 0; k < a.box.size(); ++k) {
@@ -90,14 +86,10 @@ std::shared_ptr<const Piece> commonPart(const Piece& a, const Piece& b, const Cu
 
 /// Sets the cost of a pair if its hull is no larger than those of both in any keyframe, or its common part convex.
 void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& context) {
-  thread_local std::vector<Vec3> points;
   double cost = 0.0;
   bool exact = true;
   for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
-    points.clear();
-    for (const Piece* piece : {&a, &b}) {
-      for (const PointIndex p : piece->hullPoints[k]) points.push_back(context.points[k][p]);
-    }
+    const std::vector<Vec3> points = hullPointsOf({&a, &b}, k, context);
     const double more = convexHullVolume(points) - a.hullVolume[k] - b.hullVolume[k];
     const double diagonal = boundsOf(points).diagonal();
     if (more > 2.0 * context.noise[k] * diagonal * diagonal) return;  // more than noise can add
@@ -193,14 +185,9 @@ void mergeWithin(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<P
   mergePairs(
       parts, splitFrom, context,
       [&](FreePair& pair, const Piece& a, const Piece& b) {
-        thread_local std::vector<Vec3> points;
         double cost = 0.0;
         for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
-          points.clear();
-          for (const Piece* piece : {&a, &b}) {
-            for (const PointIndex p : piece->hullPoints[k]) points.push_back(context.points[k][p]);
-          }
-          const double volume = convexHullVolume(points);
+          const double volume = convexHullVolume(hullPointsOf({&a, &b}, k, context));
           if (volume - a.volume[k] - b.volume[k] > maxEmpty) return;
           cost += volume - a.hullVolume[k] - b.hullVolume[k];
         }
@@ -217,9 +204,7 @@ Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const C
     Group& g = groups[i];
     g.pieces = {i};
     for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
-      std::vector<Vec3> own;
-      for (PointIndex p : pieces[i]->hullPoints[k]) own.push_back(context.points[k][p]);
-      addHull(own, coarse, g);
+      addHull(hullPointsOf({pieces[i].get()}, k, context), coarse, g);
     }
   });
 

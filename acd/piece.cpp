@@ -29,8 +29,7 @@ Triangle canonical(Triangle t) {
 /// Whether a part differs from its hull by no more than noise: the volume between them is that of a layer as thin, and
 /// no concave edge is deeper. Volume alone would miss a small deep notch.
 bool convexButForNoise(const Piece& piece, std::size_t k, const CutContext& context) {
-  std::vector<Vec3> corners;
-  for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context.points[k][p]);
+  const std::vector<Vec3> corners = hullPointsOf({&piece}, k, context);
   const Vec3 side = boundsOf(corners).max - boundsOf(corners).min;
   const double area = 2.0 * (side.x() * side.y() + side.y() * side.z() + side.z() * side.x());
   if (piece.error(k) > context.noise[k] * area) return false;
@@ -105,6 +104,19 @@ Piece measure(Part part, const CutContext& context) {
     w.convex.push_back(w.error(k) <= kConvex * std::abs(context.meshVolume[k]) || convexButForNoise(w, k, context));
   }
   return w;
+}
+
+std::vector<Vec3> hullPointsOf(std::initializer_list<const Piece*> pieces, std::size_t keyframe,
+                               const CutContext& context) {
+  std::vector<Vec3> points;
+  for (const Piece* piece : pieces) {
+    for (const PointIndex p : piece->hullPoints[keyframe]) points.push_back(context.points[keyframe][p]);
+  }
+  return points;
+}
+
+bool overlap(const Aabb& a, const Aabb& b, double margin) {
+  return ((a.min.array() - margin) <= b.max.array()).all() && ((b.min.array() - margin) <= a.max.array()).all();
 }
 
 std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context) {

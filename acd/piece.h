@@ -4,6 +4,7 @@
 #include "acd/decomposition.h"
 #include "geometry/counts.h"
 
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <vector>
@@ -47,6 +48,13 @@ struct Piece {
 
 /// Measures a part in every keyframe, keyframes in parallel.
 [[nodiscard]] Piece measure(Part part, const CutContext& context);
+
+/// The vertices of the hulls of pieces in a keyframe, piece by piece [m].
+[[nodiscard]] std::vector<Vec3> hullPointsOf(std::initializer_list<const Piece*> pieces, std::size_t keyframe,
+                                             const CutContext& context);
+
+/// Whether two boxes are no farther apart than a margin.
+[[nodiscard]] bool overlap(const Aabb& a, const Aabb& b, double margin);
 
 /// Of its hull in each keyframe.
 [[nodiscard]] std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context);
