@@ -245,32 +245,29 @@ struct Options {
 using Motions = std::vector<SkeletalMotion>;
 
 /// The character, its motions and the settings for all figures.
-class Studio {
- public:
-  explicit Studio(const Options& options)
-      : options_(options), character_(makeMannequin()), motions_(syntheticMotions(character_)) {}
+struct Studio {
+  Options options;
+  Character character = makeMannequin();
+  Motions motions = syntheticMotions(character);
 
-  [[nodiscard]] const Options& options() const { return options_; }
-  [[nodiscard]] const Motions& motions() const { return motions_; }
-  [[nodiscard]] const Character& character() const { return character_; }
-  [[nodiscard]] std::size_t vertexCount() const { return character_.mesh.vertices.size(); }
+  [[nodiscard]] std::size_t vertexCount() const { return character.mesh.vertices.size(); }
 
-  [[nodiscard]] std::vector<Vec3> uniformFrames(const Motions& motions, int count) const {
-    Result<std::vector<Vec3>> frames = sampleKeyframes(character_, motions, count);
+  [[nodiscard]] std::vector<Vec3> uniformFrames(const Motions& from, int count) const {
+    Result<std::vector<Vec3>> frames = sampleKeyframes(character, from, count);
     LORICA_CHECK(frames.ok(), "the motions must have enough frames for each figure");
     return std::move(*frames);
   }
 
   /// Decomposes into the requested number of parts; cannot fail because the character's mesh is valid.
   [[nodiscard]] Timed cut(std::span<const Vec3> keyframes, DecomposeSettings settings) const {
-    settings.maxParts = options_.parts;
-    settings.threads = options_.threads;
-    Result<Timed> made = timeDecompose(character_.mesh, {keyframes, static_cast<int>(vertexCount())}, settings, 1);
+    settings.maxParts = options.parts;
+    settings.threads = options.threads;
+    Result<Timed> made = timeDecompose(character.mesh, {keyframes, static_cast<int>(vertexCount())}, settings, 1);
     LORICA_CHECK(made.ok(), "the built-in character can be decomposed");
     return std::move(*made);
   }
 
-  [[nodiscard]] DecomposeSettings preset() const { return preset(options_.preset); }
+  [[nodiscard]] DecomposeSettings preset() const { return preset(options.preset); }
   [[nodiscard]] static DecomposeSettings preset(const std::string& name) {
     DecomposeSettings settings;
     settings.preset = presetOf(name);
@@ -283,7 +280,7 @@ class Studio {
     std::vector<double> found;
     found.reserve(static_cast<std::size_t>(view.keyframeCount()));
     for (int k = 0; k < view.keyframeCount(); ++k) {
-      found.push_back(errorInPose(parts, character_.mesh, view.keyframe(k)).relative());
+      found.push_back(errorInPose(parts, character.mesh, view.keyframe(k)).relative());
     }
     return found;
   }
@@ -293,11 +290,6 @@ class Studio {
     const Motions alone = {motion};
     return meanOf(errors(parts, uniformFrames(alone, std::max(2, motion.frameCount() / 10))));
   }
-
- private:
-  Options options_;
-  Character character_;
-  Motions motions_;
 };
 
 std::vector<double> counted(std::size_t count) {
@@ -311,15 +303,14 @@ std::vector<double> counted(std::size_t count) {
 Result<void> figure3(const Studio& studio) {
   fmt::print("figure,keyframes,candidate_edges,error,seconds\n");
   std::vector<double> candidates = {1, 2, 4, 8, 16, 32, 64};
-  if (studio.options().quick) candidates = {1, 4, 16};
+  if (studio.options.quick) candidates = {1, 4, 16};
   Chart error{"", "candidate edges (C)", "relative volume error", {}, true, false};
-  error.title =
-      fmt::format("Fig. 3: error by candidate edges, the paper's algorithm, {} parts", studio.options().parts);
+  error.title = fmt::format("Fig. 3: error by candidate edges, the paper's algorithm, {} parts", studio.options.parts);
   Chart seconds{"Time by candidate edges", "candidate edges (C)", "seconds", {}, true, false};
-  const std::vector<Vec3> bind = studio.character().mesh.vertices;
-  const std::vector<Vec3> moving = studio.uniformFrames(studio.motions(), studio.options().keyframes);
+  const std::vector<Vec3> bind = studio.character.mesh.vertices;
+  const std::vector<Vec3> moving = studio.uniformFrames(studio.motions, studio.options.keyframes);
   for (const auto& [name, frames] : {std::pair{std::string("bind pose"), &bind},
-                                     std::pair{fmt::format("{} keyframes", studio.options().keyframes), &moving}}) {
+                                     std::pair{fmt::format("{} keyframes", studio.options.keyframes), &moving}}) {
     Series errors{name, candidates, {}, true};
     Series times{name, candidates, {}, true};
     for (const double c : candidates) {
@@ -335,14 +326,14 @@ Result<void> figure3(const Studio& studio) {
     error.series.push_back(std::move(errors));
     seconds.series.push_back(std::move(times));
   }
-  return writeCharts(fs::path(studio.options().folder) / "fig3_candidates.png", {error, seconds});
+  return writeCharts(fs::path(studio.options.folder) / "fig3_candidates.png", {error, seconds});
 }
 
 /// Fig. 8: the error in each keyframe of parts trained on this keyframe only, and of parts trained on all keyframes.
 Result<void> figure8(const Studio& studio) {
   fmt::print("figure,keyframe,alone,together\n");
-  const std::vector<Vec3> frames = studio.uniformFrames(studio.motions(), studio.options().keyframes);
-  fmt::print(stderr, "figure 8: all {} keyframes together\n", studio.options().keyframes);
+  const std::vector<Vec3> frames = studio.uniformFrames(studio.motions, studio.options.keyframes);
+  fmt::print(stderr, "figure 8: all {} keyframes together\n", studio.options.keyframes);
   const std::vector<double> together = studio.errors(studio.cut(frames, studio.preset()).decomposition, frames);
   std::vector<double> alone;
   alone.reserve(together.size());
@@ -355,20 +346,20 @@ Result<void> figure8(const Studio& studio) {
   fmt::print("# figure 8: mean error alone {:.4f}, together {:.4f}, ratio {:.3f}\n", meanOf(alone), meanOf(together),
              meanOf(together) / meanOf(alone));
   Chart chart{"", "keyframe", "relative volume error", {}, false, true};
-  chart.title = fmt::format("Fig. 8: parts trained on one frame or on all ({} parts, {})", studio.options().parts,
-                            studio.options().preset);
+  chart.title = fmt::format("Fig. 8: parts trained on one frame or on all ({} parts, {})", studio.options.parts,
+                            studio.options.preset);
   for (std::size_t k = 1; k <= alone.size(); ++k) chart.ticks.push_back(std::to_string(k));
   chart.series = {{"each frame by itself", counted(alone.size()), alone, false},
                   {"all frames together", counted(alone.size()), together, false}};
-  return writeCharts(fs::path(studio.options().folder) / "fig8_alone_together.png", {chart});
+  return writeCharts(fs::path(studio.options.folder) / "fig8_alone_together.png", {chart});
 }
 
 /// Fig. 9: the error over many frames of parts trained on the first frame, and of parts trained on several keyframes.
 Result<void> figure9(const Studio& studio) {
   fmt::print("figure,frame,first,all\n");
-  const int count = studio.options().quick ? 40 : studio.options().frames;
-  const std::vector<Vec3> keyframes = studio.uniformFrames(studio.motions(), studio.options().keyframes);
-  const std::vector<Vec3> frames = studio.uniformFrames(studio.motions(), count);
+  const int count = studio.options.quick ? 40 : studio.options.frames;
+  const std::vector<Vec3> keyframes = studio.uniformFrames(studio.motions, studio.options.keyframes);
+  const std::vector<Vec3> frames = studio.uniformFrames(studio.motions, count);
   fmt::print(stderr, "figure 9: {} frames\n", count);
   const std::span<const Vec3> firstFrame = std::span(keyframes).first(studio.vertexCount());
   const std::vector<double> first = studio.errors(studio.cut(firstFrame, studio.preset()).decomposition, frames);
@@ -376,25 +367,25 @@ Result<void> figure9(const Studio& studio) {
   for (std::size_t k = 0; k < first.size(); ++k) fmt::print("9,{},{:.5f},{:.5f}\n", k + 1, first[k], all[k]);
   const auto worst = [](const std::vector<double>& e) { return *std::max_element(e.begin(), e.end()); };
   fmt::print("# figure 9: mean error from the first frame {:.4f}, from {} keyframes {:.4f}; largest {:.4f}, {:.4f}\n",
-             meanOf(first), studio.options().keyframes, meanOf(all), worst(first), worst(all));
+             meanOf(first), studio.options.keyframes, meanOf(all), worst(first), worst(all));
   const std::vector<Series> both = {
       {"trained on the first frame", counted(first.size()), first, false},
-      {fmt::format("trained on {} keyframes", studio.options().keyframes), counted(all.size()), all, false}};
+      {fmt::format("trained on {} keyframes", studio.options.keyframes), counted(all.size()), all, false}};
   Chart curve{"", "frame", "relative volume error", both};
-  curve.title = fmt::format("Fig. 9: error over {} frames of six motions ({} parts, {})", count, studio.options().parts,
-                            studio.options().preset);
+  curve.title = fmt::format("Fig. 9: error over {} frames of six motions ({} parts, {})", count, studio.options.parts,
+                            studio.options.preset);
   Chart bars = histogram(both, 24);
   bars.title = "Distribution of the error";
   bars.xName = "relative volume error";
   bars.yName = "share of frames";
-  return writeCharts(fs::path(studio.options().folder) / "fig9_first_all.png", {curve, bars});
+  return writeCharts(fs::path(studio.options.folder) / "fig9_first_all.png", {curve, bars});
 }
 
 /// Not in the paper: each motion in turn is held out, the others provide keyframes at even intervals or chosen ones.
 Result<void> unseenMotion(const Studio& studio) {
   fmt::print("figure,preset,unseen,uniform,chosen,first\n");
-  Motions all = studio.motions();
-  if (studio.options().quick) all.resize(2);
+  Motions all = studio.motions;
+  if (studio.options.quick) all.resize(2);
   const std::array<const char*, 3> presets = {"paper", "fast", "quality"};
   std::array<std::array<std::vector<double>, 3>, 3> errors;
   for (std::size_t unseen = 0; unseen < all.size(); ++unseen) {
@@ -402,9 +393,8 @@ Result<void> unseenMotion(const Studio& studio) {
     fmt::print(stderr, "unseen motion: {}\n", name);
     Motions training = all;
     training.erase(training.begin() + static_cast<std::ptrdiff_t>(unseen));
-    const std::vector<Vec3> evenly = studio.uniformFrames(training, studio.options().keyframes);
-    const Result<ChosenKeyframes> picked =
-        chooseKeyframes(studio.character(), training, studio.options().keyframes, 0.0);
+    const std::vector<Vec3> evenly = studio.uniformFrames(training, studio.options.keyframes);
+    const Result<ChosenKeyframes> picked = chooseKeyframes(studio.character, training, studio.options.keyframes, 0.0);
     if (!picked) return picked.error();
     const std::array<std::span<const Vec3>, 3> keyframes = {evenly, picked->positions,
                                                             std::span(evenly).first(studio.vertexCount())};
@@ -419,8 +409,7 @@ Result<void> unseenMotion(const Studio& studio) {
   }
   for (std::size_t p = 0; p < presets.size(); ++p) {
     fmt::print("# unseen motion, {}, mean error: {} uniform keyframes {:.3f}, chosen {:.3f}, first frame {:.3f}\n",
-               presets[p], studio.options().keyframes, meanOf(errors[p][0]), meanOf(errors[p][1]),
-               meanOf(errors[p][2]));
+               presets[p], studio.options.keyframes, meanOf(errors[p][0]), meanOf(errors[p][1]), meanOf(errors[p][2]));
   }
   return {};
 }
@@ -429,7 +418,7 @@ int run(const Options& options) {
   std::error_code error;
   fs::create_directories(options.folder, error);
   if (error) return fail({ErrorCode::kUnwritable, fmt::format("{}: {}", options.folder, error.message())});
-  const Studio studio(options);
+  const Studio studio{options};
   for (const int figure : options.figures) {
     const Result<void> drawn = figure == 3   ? figure3(studio)
                                : figure == 8 ? figure8(studio)

@@ -167,13 +167,6 @@ struct Runs {
   }
 };
 
-template <typename Kind>
-std::vector<std::string> namesOf(int count) {
-  std::vector<std::string> names;
-  for (int k = 0; k < count; ++k) names.emplace_back(nameOf(static_cast<Kind>(k)));
-  return names;
-}
-
 bool named(const std::vector<std::string>& names, const std::string& name) {
   return names.empty() || std::ranges::find(names, name) != names.end();
 }
@@ -468,7 +461,7 @@ int main(int argc, char** argv) {
   app.add_flag("--half", options.half, "half of the camera's pixels along each side");
   app.add_option("--clothes", options.clothes, "also bodies that wear one of these")
       ->delimiter(',')
-      ->check(CLI::IsMember(namesOf<lorica::Clothes>(lorica::kClothesCount)));
+      ->check(CLI::IsMember(std::vector<std::string>(lorica::kClothesNames.begin(), lorica::kClothesNames.end())));
   app.add_option("--seeds", options.seeds, "noisy runs of each motion and body")->check(CLI::Range(0, 100));
   app.add_flag("!--no-clean", options.clean, "leave out depth without noise");
   app.add_option("--frames", options.frames, "maximum number of frames of each motion")->check(CLI::Range(1, 100'000));

@@ -312,16 +312,9 @@ class Tailor {
 
 }  // namespace
 
-std::string_view nameOf(Clothes piece) {
-  constexpr std::array<std::string_view, kClothesCount> kNames = {"trousers", "skirt", "coat", "hair"};
-  return kNames[static_cast<std::size_t>(piece)];
-}
-
 std::optional<Clothes> clothesNamed(std::string_view name) {
-  for (int c = 0; c < kClothesCount; ++c) {
-    if (nameOf(static_cast<Clothes>(c)) == name) return static_cast<Clothes>(c);
-  }
-  return std::nullopt;
+  const auto at = std::ranges::find(kClothesNames, name) - kClothesNames.begin();
+  return at < std::ssize(kClothesNames) ? std::optional(static_cast<Clothes>(at)) : std::nullopt;
 }
 
 Character withClothes(const Character& character, std::span<const Clothes> pieces) {

@@ -2,6 +2,7 @@
 
 #include "skinning/character.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -16,10 +17,9 @@ enum class Clothes : std::uint8_t {
   kCoat,      ///< from the neck to above the knee, with wide sleeves
   kHair,      ///< to the shoulder blades; the face stays free
 };
-inline constexpr int kClothesCount = 4;
+/// In the order of Clothes.
+inline constexpr std::array<std::string_view, 4> kClothesNames = {"trousers", "skirt", "coat", "hair"};
 
-/// "trousers", "skirt", "coat", "hair".
-[[nodiscard]] std::string_view nameOf(Clothes piece);
 [[nodiscard]] std::optional<Clothes> clothesNamed(std::string_view name);
 
 /// Dresses a character: each piece is one or more closed surfaces around the body of the bind pose, skinned by the
