@@ -9,6 +9,7 @@
 #include "collision/live/live_body.h"
 #include "collision/live/rigid_fit.h"
 #include "collision/world/self_contact.h"
+#include "geometry/clock.h"
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
@@ -22,7 +23,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -31,8 +31,6 @@
 
 namespace lorica::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kReferenceStride = 40;  // the slow reference is timed on every n-th frame only
 
@@ -115,11 +113,11 @@ FrameTimes timeFrames(std::span<const Motion> motions, int repeats, std::size_t 
       frame(motion.worldFromModel.front());  // the first one builds
       for (std::size_t f = 0; f < count; f += stride) {
         if (before) before(motion.worldFromModel[f]);
-        const Clock::time_point begin = Clock::now();
+        const double begin = now();
         const double cpuBegin = threadSeconds();
         frame(motion.worldFromModel[f]);
         const double cpuUs = 1e6 * (threadSeconds() - cpuBegin);
-        const double us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+        const double us = 1e6 * (now() - begin);
         const std::size_t at = first + f / stride;
         times.us[at] = std::min(times.us[at], us);
         times.cpuUs[at] = std::min(times.cpuUs[at], cpuUs);
@@ -284,13 +282,12 @@ void measureStages(const Character& character, const Decomposition& decompositio
   }
   const BonePoseView poses{sampled, character.skeleton.jointCount()};
   for (const int vertices : {64, 32, 16}) {
-    const Clock::time_point begin = Clock::now();
+    const double begin = now();
     const Result<HullCover> cover = chooseCover(decomposition, all, poses, {}, {.maxHullVertices = vertices});
     LORICA_CHECK(cover.ok(), "a cover with this number of points must exist");
     fmt::print(
         "# cover of {} points per part, from {} poses in {:.1f} s: {:.1f} mm protruded, enlarged by up to {:.1f} mm\n",
-        vertices, poses.poseCount(), std::chrono::duration<double>(Clock::now() - begin).count(),
-        1e3 * cover->sampledShortfall, 1e3 * cover->growth);
+        vertices, poses.poseCount(), now() - begin, 1e3 * cover->sampledShortfall, 1e3 * cover->growth);
     const auto fewer = BodyPlan::create(decomposition, character, *cover).value();
     const auto startCovered = [&] { body.emplace(fewer); };
     LiveBody covered(fewer);

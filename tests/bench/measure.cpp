@@ -1,12 +1,13 @@
 #include "tests/bench/measure.h"
 
+#include "geometry/clock.h"
+
 #include <fmt/format.h>
 #include <hwy/targets.h>
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <ctime>
@@ -42,14 +43,10 @@ std::string readAll(int file) {
   }
 }
 
-double wallSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 double secondsOf(clockid_t clock) {
-  timespec now{};
-  ::clock_gettime(clock, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  timespec time{};
+  ::clock_gettime(clock, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 /// A value of this process from /proc; 0 if it is missing.
@@ -120,11 +117,11 @@ Result<Timed> timeDecompose(const TriMesh& mesh, PoseView keyframes, const Decom
   std::vector<double> wall;
   std::vector<double> cpu;
   for (int i = 0; i < repeats; ++i) {
-    const double wallBefore = wallSeconds();
+    const double wallBefore = now();
     const double cpuBefore = cpuSeconds();
     Result<Decomposition> made = decompose(mesh, keyframes, settings);
     cpu.push_back(cpuSeconds() - cpuBefore);
-    wall.push_back(wallSeconds() - wallBefore);
+    wall.push_back(now() - wallBefore);
     if (!made) return made.error();
     timed.decomposition = std::move(*made);
   }

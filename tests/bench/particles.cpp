@@ -3,6 +3,7 @@
 
 #include "collision/live/live_body.h"
 #include "collision/particles/particle_push.h"
+#include "geometry/clock.h"
 #include "geometry/random_numbers.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/walker.h"
@@ -12,7 +13,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -41,10 +41,9 @@ Cost minOf(int repeats, const Before& before, const Work& work) {
   for (int i = 0; i < repeats; ++i) {
     before();
     const double cpu = cpuSeconds();
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin = now();
     work();
-    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
-    min.wall = std::min(min.wall, wall.count());
+    min.wall = std::min(min.wall, 1e3 * (now() - begin));
     min.cpu = std::min(min.cpu, 1e3 * (cpuSeconds() - cpu));
   }
   return min;

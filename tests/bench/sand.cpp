@@ -2,6 +2,7 @@
 // the same contacts in the same run: CSV on standard output.
 
 #include "collision/particles/particles.h"
+#include "geometry/clock.h"
 #include "geometry/random_numbers.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/walker.h"
@@ -12,7 +13,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <tuple>
 
@@ -34,9 +34,9 @@ struct Times {
   template <class Work>
   void add(const Work& work) {
     const double cpuBefore = cpuSeconds();
-    const auto begin = std::chrono::steady_clock::now();
+    const double begin = now();
     work();
-    wall.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    wall.push_back(1e3 * (now() - begin));
     cpu.push_back(1e3 * (cpuSeconds() - cpuBefore));
   }
   void print(const char* what, std::size_t count, std::uint64_t hash) const {

@@ -1,6 +1,7 @@
 // How long after a depth image of the virtual camera has arrived a client of a page has read the frame that it led to:
 // CSV on standard output. The client is a socket of this process, which acknowledges each frame.
 
+#include "geometry/clock.h"
 #include "geometry/little_endian.h"
 #include "session/prepare/live_cast.h"
 #include "tests/bench/measure.h"
@@ -22,10 +23,6 @@
 
 namespace lorica::bench {
 namespace {
-
-double seconds(std::chrono::steady_clock::time_point time) {
-  return std::chrono::duration<double>(time.time_since_epoch()).count();
-}
 
 int run(const std::string& motion, double duration) {
   Host host;
@@ -56,7 +53,7 @@ int run(const std::string& motion, double duration) {
     for (;;) {
       const test::TestClient::Message message = watcher.next("frame");
       if (message.kind != 2) return;
-      last = seconds(std::chrono::steady_clock::now());
+      last = now();
       if (frames++ == 0) first = last;
       read.emplace(loadLittleEndian<double>(message.bytes.data() + 24), last);
       watcher.send({{"type", "ack"}, {"frame", message.number()}});
@@ -66,7 +63,7 @@ int run(const std::string& motion, double duration) {
   std::map<double, double> arrived;  // by the session's time [s]
   Shown shown{&page, [&]() -> Result<bool> {
                 if (joints.frameCount() == 0) return true;  // nothing has come yet
-                arrived.emplace((*run)->session.time(), seconds(joints.sight().arrived));
+                arrived.emplace((*run)->session.time(), secondsOf(joints.sight().arrived));
                 return true;
               }};
   const Result<RunEnd> end = play(**run, shown, host);
