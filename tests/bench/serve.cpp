@@ -15,14 +15,38 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace lorica::bench {
 namespace {
+
+/// A window that nobody sees, asked to show what the page shows.
+class Watched final : public Screen {
+ public:
+  explicit Watched(std::function<void()> seen) : seen_(std::move(seen)) {}
+
+  [[nodiscard]] bool open() const override { return true; }
+  void show(const Scene& /*scene*/, const WindowValues& /*values*/) override { seen_(); }
+  void rest(double seconds) override { std::this_thread::sleep_for(std::chrono::duration<double>(seconds)); }
+  [[nodiscard]] HandAim aim(int /*hand*/) const override { return {}; }
+  [[nodiscard]] Camera camera() const override { return camera_; }
+  void setCamera(const Camera& camera) override { camera_ = camera; }
+  void addTimes(std::span<const TimedStage> /*stages*/) override {}
+  void notice(std::string /*sentence*/, double /*seconds*/) override {}
+  void problem(std::string /*sentence*/) override {}
+  void setTitle(const std::string& /*title*/) override {}
+
+ private:
+  std::function<void()> seen_;
+  Camera camera_;
+};
 
 int run(const std::string& motion, double duration) {
   Host host;
@@ -33,14 +57,20 @@ int run(const std::string& motion, double duration) {
   request.reading.drawn = true;
   Result<LiveCast> cast = prepareLiveCast(request, live, host);
   if (!cast) return fail(cast.error());
-  const LiveJoints& joints = *cast->sources->tracked;
   RunSetting setting;
   setting.seconds = duration;
   const Result<std::unique_ptr<Run>> run = Run::start(std::move(*cast), setting, host);
   if (!run) return fail(run.error());
   Result<std::unique_ptr<PageServer>> server = PageServer::start({});
   if (!server) return fail(server.error());
-  PageScreen page(**server, nullptr);
+  std::map<double, double> arrived;  // by the session's time [s]
+  Watched window([&] {
+    const DepthSight* sight = (*run)->sight();
+    if (sight != nullptr && !sight->image.depthMm.empty()) {
+      arrived.emplace((*run)->session.time(), secondsOf(sight->arrived));
+    }
+  });
+  PageScreen page(**server, &window);
   if (const auto begun = page.begin(**run, host); !begun) return fail(begun.error());
 
   std::map<double, double> read;  // when the first frame of each time of the session was read [s]
@@ -60,12 +90,7 @@ int run(const std::string& motion, double duration) {
     }
   });
   while ((*server)->clients() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  std::map<double, double> arrived;  // by the session's time [s]
-  Shown shown{&page, [&]() -> Result<bool> {
-                if (joints.frameCount() == 0) return true;  // nothing has come yet
-                arrived.emplace((*run)->session.time(), secondsOf(joints.sight().arrived));
-                return true;
-              }};
+  Shown shown{&page};
   const Result<RunEnd> end = play(**run, shown, host);
   server->reset();
   client.join();
